@@ -1,0 +1,42 @@
+"""The command line. `main` is the program; nothing heavy is loaded until a command runs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from app.core.errors import BadInput, Cancelled, LeafscopeError, WrongUse
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run a command and leave with its exit code: 0, 2 wrong use, 3 bad input, 4 cancelled."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    sys.exit(run([word for word in words if word != "--debug"], "--debug" in words))
+
+
+def run(words: Sequence[str], debug: bool = False) -> int:
+    """Run a command and give its exit code; errors are one sentence on the error stream."""
+    from cyclopts import CycloptsError
+
+    from app.cli.commands import leafscope
+
+    try:
+        leafscope(words, exit_on_error=False, print_error=False, result_action="return_value")
+    except CycloptsError as error:
+        return _fail(WrongUse(" ".join(str(error).split()), "See leafscope --help."), debug)
+    except LeafscopeError as error:
+        return _fail(error, debug)
+    except KeyboardInterrupt:
+        return _fail(Cancelled(), debug)
+    except MemoryError:
+        return _fail(BadInput("There is not enough memory.", "Try --every-nth 10."), debug)
+    return 0
+
+
+def _fail(error: LeafscopeError, debug: bool) -> int:
+    if debug:
+        import traceback
+
+        traceback.print_exc()
+    print(f"leafscope: {error}", file=sys.stderr)
+    return error.exit_code

@@ -1,0 +1,320 @@
+"""The commands: each calls one service. Heavy imports wait until a command runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import App, Parameter
+
+from app import __version__
+from app.cli.console import watch
+from app.core.errors import WrongUse
+
+if TYPE_CHECKING:
+    from app.services.opening import Opening
+
+leafscope = App(
+    name="leafscope",
+    default_parameter=Parameter(negative=(), show_default=False),
+    version=__version__,
+    help="Laser scans of leaves: incidence angles, phase functions, Δω, ghost points. "
+    "With a file or nothing, opens the window.",
+)
+Json = Annotated[bool, Parameter(help="Print JSON.")]
+Overwrite = Annotated[bool, Parameter(help="Replace files that exist.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Reading:
+    """How a file is read and understood."""
+
+    origin: str | None = None
+    "Position of the scanner in world metres, X,Y,Z."
+    channel: tuple[str, ...] = ()
+    "Name a channel by hand, NAME=WAVELENGTH:KIND (kind: DN, dB, linear, reflectance)."
+    columns: str | None = None
+    "Text files: names of the columns, x,y,z,intensity; - skips one."
+    separator: str | None = None
+    "Text files: what stands between columns."
+    every_nth: int = 1
+    "Read each n-th point only."
+    recover: bool = False
+    "Read what is complete of a truncated file."
+    unit: float = 1.0
+    "Metres per unit of the file (0.001 for millimetres)."
+
+
+DEFAULT_READING = Reading()
+
+
+def opening(file: Path, reading: Reading) -> Opening:
+    """What a service is told about the file of a command."""
+    from app.formats.options import ReadOptions
+    from app.services.opening import Opening, parse_origin
+
+    options = ReadOptions(
+        every_nth=reading.every_nth,
+        recover=reading.recover,
+        separator=reading.separator,
+        columns=tuple(reading.columns.split(",")) if reading.columns else None,
+        metres_per_unit=reading.unit,
+    )
+    origin = None if reading.origin is None else parse_origin(reading.origin)
+    return Opening(file, options, origin, reading.channel)
+
+
+@leafscope.default
+def window(file: Path | None = None, /) -> None:
+    """Open the window, with a scan or session if one is named.
+
+    Parameters
+    ----------
+    file
+        A scan or session.
+    """
+    if file is not None and not file.exists():
+        raise WrongUse(f"There is no command and no file named {file}.", "See leafscope --help.")
+    from app.services.launch import open_window
+
+    open_window([str(file)] if file else [])
+
+
+@leafscope.command
+def info(file: Path, /, reading: Reading = DEFAULT_READING, json: Json = False) -> None:
+    """Say what a file holds.
+
+    Parameters
+    ----------
+    file
+        A scan.
+    """
+    from app.cli.printing import print_info
+    from app.services.info import describe_opened
+
+    print_info(describe_opened(opening(file, reading), watch()), json)
+
+
+@leafscope.command
+def compute(
+    file: Path,
+    /,
+    *,
+    field: tuple[str, ...],
+    out: Path,
+    radius: float | None = None,
+    report: Path | None = None,
+    reading: Reading = DEFAULT_READING,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Compute fields for every point and write them in file order.
+
+    Parameters
+    ----------
+    file
+        A scan.
+    field
+        A field: range, incidence, ndi, ghost, a channel … (may be repeated).
+    out
+        File to write: .npz, .laz, .las, .e57, .ply or .csv.
+    radius
+        Neighbours lie within this distance, metres (default 0.004).
+    report
+        JSON file with seconds, counts and versions.
+    """
+    from app.cli.printing import print_report, write_json
+    from app.services.compute import compute_file
+
+    parameters = {} if radius is None else {"radius": radius}
+    found = compute_file(opening(file, reading), field, out, parameters, overwrite, watch())
+    if report is not None:
+        write_json(found, report)
+    print_report(found, out, json)
+
+
+@leafscope.command
+def fit(
+    table: Path,
+    /,
+    *,
+    x: str,
+    y: str,
+    model: str,
+    group: tuple[str, ...] = (),
+    json: Json = False,
+) -> None:
+    """Fit an angular model to a table of angles (degrees) and values.
+
+    Parameters
+    ----------
+    table
+        CSV file.
+    x
+        Column with the angle of incidence, degrees.
+    y
+        Column with the value.
+    model
+        lambert, lambert-beckmann, lommel-seeliger, incidence-b, cosine, fourier-2 or
+        polynomial-4.
+    group
+        Column to fit apart by (may be repeated).
+    """
+    from app.cli.printing import print_fits
+    from app.services.fit import fit_table
+
+    report = fit_table(table, x, y, group, model, progress=watch())
+    print_fits(report.as_dict(), json)
+
+
+@leafscope.command
+def leaves(
+    file: Path,
+    /,
+    *,
+    out: Path,
+    label_field: str | None = None,
+    radius: float | None = None,
+    reading: Reading = DEFAULT_READING,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure the leaves of a scan into a table.
+
+    Parameters
+    ----------
+    file
+        A scan.
+    out
+        CSV file to write, a row per leaf.
+    label_field
+        Field whose whole numbers from 0 on name the leaves; without it leaves are found by
+        connectivity.
+    radius
+        Neighbours lie within this distance, metres (default 0.004).
+    """
+    from app.cli.printing import print_leaves
+    from app.services.leaf_tables import tabulate_leaves
+
+    rows = tabulate_leaves(opening(file, reading), out, label_field, radius, overwrite, watch())
+    print_leaves(rows, out, json)
+
+
+@leafscope.command
+def clean(
+    file: Path,
+    /,
+    *,
+    mode: Literal["mark", "delete", "correct"],
+    out: Path,
+    threshold: float | None = None,
+    radius: float | None = None,
+    reading: Reading = DEFAULT_READING,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Find ghost points and mark, delete or correct them.
+
+    Parameters
+    ----------
+    file
+        A scan.
+    mode
+        mark: keep all points and write the field ghost; delete: leave ghosts out; correct:
+        put them back on their surface where there is one.
+    out
+        File to write.
+    threshold
+        Score from which a point is a ghost, 0 to 1.
+    """
+    from app.cli.printing import print_values
+    from app.services.cleaning import clean_file
+
+    found = clean_file(opening(file, reading), mode, out, threshold, radius, overwrite, watch())
+    print_values(found, json)
+
+
+@leafscope.command
+def snapshot(
+    file: Path,
+    /,
+    *,
+    colour: str,
+    out: Path,
+    size: str = "1280x800",
+    theme: Literal["light", "dark"] = "light",
+    limits: str | None = None,
+    radius: float | None = None,
+    reading: Reading = DEFAULT_READING,
+    overwrite: Overwrite = False,
+) -> None:
+    """Make a picture of a scan, coloured by a field.
+
+    Parameters
+    ----------
+    file
+        A scan.
+    colour
+        Field that colours the points.
+    out
+        PNG file to write.
+    size
+        Width and height in pixels, WxH.
+    limits
+        Limits of the colours, LOW,HIGH.
+    """
+    from app.services.snapshot import parse_limits, parse_size, snapshot_file
+
+    snapshot_file(
+        opening(file, reading),
+        colour,
+        out,
+        parse_size(size),
+        theme,
+        parse_limits(limits) if limits else None,
+        radius,
+        overwrite,
+        watch(),
+    )
+    print(f"{out} written.")
+
+
+@leafscope.command
+def replay(
+    session: Path, /, *, out: Path, json: Json = False, overwrite: Overwrite = False
+) -> None:
+    """Do again all that a session holds, without a window, and write its numbers.
+
+    Parameters
+    ----------
+    session
+        A .leafscope file.
+    out
+        Folder for points, tables and report.
+    """
+    from app.cli.printing import print_replay
+    from app.services.sessions import replay as replay_session
+
+    print_replay(replay_session(session, out, overwrite, watch()), out, json)
+
+
+@leafscope.command
+def demo(*, out: Path | None = None, overwrite: Overwrite = False) -> None:
+    """Open the demo scan in the window; with --out, run the demo headless instead.
+
+    Parameters
+    ----------
+    out
+        Folder for the demo's pictures and tables.
+    """
+    if out is None:
+        from app.services.launch import open_window
+
+        open_window(["--demo"])
+    else:
+        from app.services.demo import run_demo
+
+        for line in run_demo(out, overwrite, watch()):
+            print(line)

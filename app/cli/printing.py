@@ -1,0 +1,141 @@
+"""What commands print: a few lines for people, or JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+
+def plain(value: Any) -> Any:
+    """The same value as JSON can hold it: NaN becomes null, numpy numbers become numbers."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(inner) for inner in value]
+    if hasattr(value, "item"):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def print_json(value: Any) -> None:
+    """Print JSON and nothing else."""
+    print(json.dumps(plain(value), indent=2, ensure_ascii=False))
+
+
+def write_json(value: Any, path: Path) -> None:
+    """Write JSON to a file, whole or not at all."""
+    from app.formats.atomic import atomic_path
+
+    with atomic_path(path, overwrite=True) as temporary:
+        temporary.write_text(json.dumps(plain(value), indent=2, ensure_ascii=False))
+
+
+def print_values(found: Mapping[str, Any], as_json: bool) -> None:
+    """Print names and values."""
+    if as_json:
+        print_json(found)
+        return
+    for name, value in found.items():
+        print(f"{name.replace('_', ' ')}: {_show(value)}")
+
+
+def print_info(found: Mapping[str, Any], as_json: bool) -> None:
+    """Print what a file holds."""
+    if as_json:
+        print_json(found)
+        return
+    print(f"points: {found['points']:,}")
+    grid = found["grid"]
+    print(f"grid: {grid[0]} rows × {grid[1]} columns" if grid else "grid: none")
+    scanner = found["scanner"]
+    print(f"scanner: {_show(scanner)}" if scanner else "scanner: unknown (give --origin X,Y,Z)")
+    for channel in found["channels"]:
+        nm = channel["wavelength_nm"]
+        print(
+            f"channel: {channel['name']}, {nm or 'wavelength unknown'}{' nm' if nm else ''}, "
+            f"{channel['kind']}"
+        )
+    if not found["channels"]:
+        print("channels: none")
+    print(f"bounds: {_show(found['bounds'])}")
+    print_warnings(found["warnings"])
+
+
+def print_report(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
+    """Print what was computed and what it cost."""
+    if as_json:
+        print_json(report)
+        return
+    for name, seconds in report["seconds"].items():
+        count = report["computed"].get(name)
+        points = f", {count:,} points" if count is not None else ""
+        undefined = report["undefined"].get(name, 0)
+        without = f", {undefined:,} of them undefined" if undefined else ""
+        print(f"{name}: {seconds:.2f} s{points}{without}")
+    print_warnings(report["warnings"])
+    print(f"{out} written.")
+
+
+def print_fits(report: Mapping[str, Any], as_json: bool) -> None:
+    """Print fits, a block per group."""
+    if as_json:
+        print_json(report)
+        return
+    for entry in report["fits"]:
+        group = ", ".join(f"{name} {value}" for name, value in entry["group"].items())
+        print(f"{group or 'all'}: {entry['model']}, {entry['n']} points, rss {entry['rss']}")
+        for name, estimate in entry["parameters"].items():
+            print(f"  {name} = {_show_estimate(estimate)}")
+        print_warnings(entry["warnings"])
+
+
+def print_leaves(rows: Sequence[Mapping[str, Any]], out: Path, as_json: bool) -> None:
+    """Print how many leaves there are, or the whole table as JSON."""
+    if as_json:
+        print_json({"leaves": list(rows)})
+        return
+    print(f"{len(rows)} leaves; {out} written.")
+
+
+def print_replay(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
+    """Print what a replay did and whether its fits came out the same."""
+    if as_json:
+        print_json(report)
+        return
+    print(f"{len(report['steps'])} steps replayed.")
+    for fit in report["fits"]:
+        print(f"{fit['fit']} {fit['model']}: {'same' if fit['same'] else 'DIFFERENT'}")
+    for scan in report["scans"]:
+        print(
+            f"{scan['scan']}: {scan['shown']:,} of {scan['points']:,} points, "
+            f"{scan['leaves']} leaves"
+        )
+    print(f"{out} written.")
+
+
+def print_warnings(warnings: Sequence[str]) -> None:
+    """Print warnings, a line each."""
+    for warning in warnings:
+        print(f"note: {warning}")
+
+
+def _show(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_show(inner) for inner in value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return f"{value:,}"
+    return str(value)
+
+
+def _show_estimate(estimate: Mapping[str, Any]) -> str:
+    value, sd, unit = (estimate[key] for key in ("value", "sd", "unit"))
+    if value is None:
+        return "not determined"
+    return f"{value:.6g} ± {'unknown' if sd is None else f'{sd:.2g}'} {unit or ''}".rstrip()

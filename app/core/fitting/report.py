@@ -1,0 +1,115 @@
+"""From the best curve to a result: errors, quality, and the reasons for what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from app.core.arrays import Floats
+from app.core.fitting.deviations import compute_deviations
+from app.core.fitting.pairs import Pairs
+from app.core.fitting.result import Estimate, FitResult
+from app.core.phase import Parameter, PhaseModel
+
+# Values that differ by less than this share of their size are equal.
+EQUAL = 1e-14
+
+
+def report_fit(
+    model: PhaseModel, pairs: Pairs, values: dict[str, float], fixed: Mapping[str, float]
+) -> FitResult:
+    """Describe the curve with these parameters beside the pairs that it was fitted to.
+
+    Parameters
+    ----------
+    model : PhaseModel
+    pairs : Pairs
+    values : dict of str to float
+        Parameters for the normalised values; NaN for an undetermined one.
+    fixed : mapping of str to float
+        Those that were not fitted.
+    """
+    free = [p for p in model.parameters if p.name not in fixed]
+    misses = pairs.value - model.evaluate(pairs.angle, values)
+    rss = float((pairs.weight * misses**2).sum())
+    spare = len(pairs) - len(free)
+    deviations = _deviate(model, pairs, values, free, float(np.sqrt(rss / spare)))
+    in_units = {p.name: values[p.name] * _size(p, pairs) for p in model.parameters}
+    scatter = float(np.sqrt((misses**2).sum() / spare)) * pairs.scale
+    return FitResult(
+        model=model.name,
+        n=len(pairs),
+        parameters={
+            p.name: _estimate(p, pairs, values[p.name], deviations.get(p.name, np.nan), p in free)
+            for p in model.parameters
+        },
+        rss=rss * pairs.scale**2 * pairs.weight_scale,
+        rmse=float(np.sqrt(rss / pairs.weight.sum())) * pairs.scale,
+        r2=_explain(pairs, rss),
+        angle_range=(float(pairs.angle.min()), float(pairs.angle.max())),
+        warnings=(
+            *pairs.warnings,
+            *_explain_missing(model, values, free, deviations),
+            *model.remark(in_units, pairs.angle, scatter),
+        ),
+    )
+
+
+def _size(p: Parameter, pairs: Pairs) -> float:
+    return pairs.scale if p.scales else 1.0
+
+
+def _explain(pairs: Pairs, rss: float) -> float | None:
+    mean = (pairs.weight * pairs.value).sum() / pairs.weight.sum()
+    total = float((pairs.weight * (pairs.value - mean) ** 2).sum())
+    return 1.0 - rss / total if total > EQUAL**2 * pairs.weight.sum() else None
+
+
+def _deviate(
+    model: PhaseModel,
+    pairs: Pairs,
+    values: dict[str, float],
+    free: Sequence[Parameter],
+    noise: float,
+) -> dict[str, float]:
+    """Standard deviations of the parameters that lie inside their bounds, the others held."""
+    names = [
+        p.name for p in free if np.isfinite(values[p.name]) and not p.touches_bound(values[p.name])
+    ]
+    if not names:
+        return {}
+    root: Floats = np.sqrt(pairs.weight)[:, None]
+    jacobian = model.jacobian(pairs.angle, values, names) * root
+    return dict(zip(names, map(float, compute_deviations(jacobian, noise)), strict=True))
+
+
+def _estimate(p: Parameter, pairs: Pairs, value: float, sd: float, free: bool) -> Estimate:
+    size = _size(p, pairs)
+    known = bool(np.isfinite(value))
+    return Estimate(
+        value * size if known else None,
+        sd * size if np.isfinite(sd) else None,
+        p.unit,
+        free and known and p.touches_bound(value),
+    )
+
+
+def _explain_missing(
+    model: PhaseModel,
+    values: dict[str, float],
+    free: Sequence[Parameter],
+    deviations: dict[str, float],
+) -> list[str]:
+    """One sentence for each parameter without a value or without a standard deviation."""
+    sentences = []
+    for p in model.parameters:
+        if p not in free:
+            sentences.append(f"{p.name} was held fixed.")
+        elif not np.isfinite(values[p.name]):
+            sentences.append(f"{p.name} is undetermined: {model.unknown_when[p.name]}.")
+        elif p.touches_bound(values[p.name]):
+            sentences.append(f"{p.name} is at its bound and has no standard deviation.")
+        elif not np.isfinite(deviations[p.name]):
+            sentences.append(f"{p.name} has no standard deviation: the data do not determine it.")
+    return sentences

@@ -1,0 +1,55 @@
+"""Size of the beam on a leaf (Balduzzi 2011, equation 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from app.core.arrays import Floats
+from app.core.errors import WrongUse
+
+
+def footprint_axis(
+    distance: npt.ArrayLike,
+    incidence: npt.ArrayLike,
+    beam_radius: float,
+    half_divergence: float,
+) -> Floats:
+    """Major axis of the beam's footprint on a plane.
+
+    Parameters
+    ----------
+    distance : array_like
+        Range, metres.
+    incidence : array_like
+        Incidence angle, radians; broadcast against `distance`.
+    beam_radius : float
+        Radius of the beam at the aperture, metres (half of the exit diameter).
+    half_divergence : float
+        Half of the full divergence, radians.
+
+    Returns
+    -------
+    array
+        D = 2 (r₀ + d tan δ) / (cos ω (1 − tan²ω tan²δ)), metres; inf where the beam's outer
+        ray no longer meets the plane (ω ≥ π/2 − δ).
+
+    Raises
+    ------
+    WrongUse
+        A negative radius, or a divergence outside 0 to π/4.
+    """
+    if beam_radius < 0.0 or not 0.0 <= half_divergence < np.pi / 4:
+        raise WrongUse(
+            "A beam needs a radius from 0 m and a half divergence from 0 to 45 degrees.",
+            "Check whether the divergence is a full or a half angle.",
+        )
+    d, angle = np.broadcast_arrays(
+        np.asarray(distance, dtype=np.float64), np.asarray(incidence, dtype=np.float64)
+    )
+    beam = 2.0 * (beam_radius + d * np.tan(half_divergence))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stretch = np.cos(angle) * (1.0 - (np.tan(angle) * np.tan(half_divergence)) ** 2)
+        meets = np.abs(angle) < np.pi / 2 - half_divergence
+        axis: Floats = np.where(meets, beam / stretch, np.inf)
+    return np.where(np.isnan(angle), np.nan, axis)

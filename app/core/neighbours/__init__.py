@@ -1,0 +1,1 @@
+"""The two ways to find neighbours: the scan grid, and voxels where there is none."""

@@ -1,0 +1,30 @@
+"""The only place where degrees, millimetres and nanometres meet radians and metres."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+MM_PER_M = 1000.0
+DEG_PER_RAD = 180.0 / np.pi
+
+
+def to_degrees(radians: Any) -> Any:
+    """Radians to degrees; scalars and arrays."""
+    return np.rad2deg(radians)
+
+
+def to_radians(degrees: Any) -> Any:
+    """Degrees to radians; scalars and arrays."""
+    return np.deg2rad(degrees)
+
+
+def to_mm(metres: Any) -> Any:
+    """Metres to millimetres; scalars and arrays."""
+    return metres * MM_PER_M
+
+
+def to_metres(mm: Any) -> Any:
+    """Millimetres to metres; scalars and arrays."""
+    return mm / MM_PER_M

@@ -1,0 +1,97 @@
+"""Scans as a folder of .npy files and one JSON: from the reading process to ours, no pickle."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.core.arrays import AnyArray
+from app.core.progress import QUIET, Progress
+from app.model.scan import Channel, Grid, Pose, Scan
+
+_INDEX = "scans.json"
+
+
+def save_scans(scans: list[Scan], folder: Path) -> None:
+    """Write scans into an empty folder; names from files never become file names."""
+    entries = [_save_scan(scan, folder, str(i)) for i, scan in enumerate(scans)]
+    (folder / _INDEX).write_text(json.dumps(entries), encoding="utf-8")
+
+
+def load_scans(folder: Path, progress: Progress = QUIET) -> list[Scan]:
+    """The scans that `save_scans` wrote; arrays are copied to memory, the folder may go."""
+    entries = json.loads((folder / _INDEX).read_text(encoding="utf-8"))
+    scans = []
+    for i, entry in enumerate(entries):
+        scans.append(_load_scan(entry, folder, progress.part(i / len(entries), 1.0)))
+    return scans
+
+
+def _save_scan(scan: Scan, folder: Path, prefix: str) -> dict[str, Any]:
+    _save(folder, f"{prefix}-xyz", scan.xyz)
+    files = {name: f"{prefix}-{i}" for i, name in enumerate(scan.attributes)}
+    for name, file in files.items():
+        _save(folder, file, scan.attributes[name])
+    return {
+        "name": scan.name,
+        "xyz": f"{prefix}-xyz",
+        "attributes": files,
+        "channels": [asdict(channel) for channel in scan.channels],
+        "pose": None if scan.pose is None else asdict(scan.pose),
+        "grid": None if scan.grid is None else _save_grid(scan.grid, folder, prefix),
+        "metadata": dict(scan.metadata),
+        "warnings": list(scan.warnings),
+    }
+
+
+def _save_grid(grid: Grid, folder: Path, prefix: str) -> dict[str, Any]:
+    for part in ("row", "column", "no_return"):
+        _save(folder, f"{prefix}-{part}", getattr(grid, part))
+    return {"rows": grid.rows, "columns": grid.columns, "prefix": prefix}
+
+
+def _load_scan(entry: dict[str, Any], folder: Path, progress: Progress) -> Scan:
+    attributes = {}
+    files = entry["attributes"]
+    for i, (name, file) in enumerate(files.items()):
+        progress.report(i / len(files), "Taking over the points")
+        attributes[name] = _load(folder, file)
+    return Scan(
+        name=entry["name"],
+        xyz=_load(folder, entry["xyz"]),
+        attributes=attributes,
+        channels=tuple(Channel(**channel) for channel in entry["channels"]),
+        pose=_load_pose(entry["pose"]),
+        grid=_load_grid(entry["grid"], folder),
+        metadata=entry["metadata"],
+        warnings=tuple(entry["warnings"]),
+    )
+
+
+def _load_pose(entry: dict[str, Any] | None) -> Pose | None:
+    if entry is None:
+        return None
+    x, y, z = (tuple(axis) for axis in entry["rotation"])
+    return Pose(tuple(entry["position"]), (x, y, z), entry["known_by"])
+
+
+def _load_grid(entry: dict[str, Any] | None, folder: Path) -> Grid | None:
+    if entry is None:
+        return None
+    row, column, no_return = (
+        _load(folder, f"{entry['prefix']}-{part}") for part in ("row", "column", "no_return")
+    )
+    return Grid(entry["rows"], entry["columns"], row, column, no_return)
+
+
+def _save(folder: Path, name: str, values: AnyArray) -> None:
+    np.save(folder / f"{name}.npy", values, allow_pickle=False)
+
+
+def _load(folder: Path, name: str) -> AnyArray:
+    values: AnyArray = np.load(folder / f"{name}.npy", allow_pickle=False)
+    return values

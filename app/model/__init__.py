@@ -1,0 +1,1 @@
+"""The document: scans, leaves, operations and what is derived from them."""

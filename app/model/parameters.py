@@ -1,0 +1,67 @@
+"""The numbers that fields depend on, one set per scan."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from app.core.errors import WrongUse
+from app.core.ghosts import THRESHOLD
+from app.core.incidence import RADIUS
+
+
+class Curve(msgspec.Struct, frozen=True):
+    """An angular curve I(ω) in use: a model of `app.core.phase` with its values.
+
+    `origin` says in words where it comes from, e.g. "fit of Leaf 3".
+    """
+
+    model: str
+    values: dict[str, float]
+    channel: str
+    origin: str = ""
+
+
+class Formula(msgspec.Struct, frozen=True):
+    """A user's own index: a name and the text of a whitelisted formula."""
+
+    name: str
+    text: str
+
+
+class Parameters(msgspec.Struct, frozen=True):
+    """Parameters of the fields of one scan.
+
+    Attributes
+    ----------
+    radius : float
+        Neighbours of a point lie within this distance, metres.
+    plane_gate : float
+        Distance to a leaf's plane beyond which a point counts as off it, metres.
+    ghost_threshold : float
+        Score from which a point counts as a ghost, 0 to 1.
+    channel : str or None
+        Channel that fits and angles from intensity use; None is the first one.
+    curve : Curve or None
+        Angular curve that turns intensity into an angle.
+    formulas : tuple of Formula
+    """
+
+    radius: float = RADIUS
+    plane_gate: float = 0.005
+    ghost_threshold: float = THRESHOLD
+    channel: str | None = None
+    curve: Curve | None = None
+    formulas: tuple[Formula, ...] = ()
+
+    def __post_init__(self) -> None:
+        _check_positive("The neighbour radius", self.radius)
+        _check_positive("The plane gate", self.plane_gate)
+        if not 0.0 <= self.ghost_threshold <= 1.0:
+            raise WrongUse(f"A ghost threshold lies in 0 to 1, not at {self.ghost_threshold}.")
+
+
+def _check_positive(what: str, metres: float) -> None:
+    if not (math.isfinite(metres) and metres > 0.0):
+        raise WrongUse(f"{what} must be a positive length in metres, not {metres}.")

@@ -1,0 +1,104 @@
+"""The document at one moment: immutable, shared freely between threads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import TypeVar
+
+import numpy as np
+
+from app.core.arrays import AnyArray, Bools
+from app.core.errors import WrongUse
+from app.model.leaf import FitRecord, Leaf, Sample
+from app.model.parameters import Parameters
+from app.model.points import EMPTY, PointSet
+from app.model.scan import Scan
+
+V = TypeVar("V")
+
+
+@dataclass(frozen=True, eq=False)
+class ScanState:
+    """A scan with everything that the user did to it.
+
+    Attributes
+    ----------
+    scan : Scan
+    deleted : (n,) bool array
+        Deletion is a mask: nothing is lost.
+    marks : (n,) int8 array
+        1 marked as ghost, -1 kept though it looks like one, 0 not judged.
+    selection : PointSet
+    parameters : Parameters
+    closed : bool
+        Taken off the table; comes back by undo.
+    """
+
+    scan: Scan
+    deleted: Bools
+    marks: AnyArray
+    selection: PointSet = EMPTY
+    parameters: Parameters = field(default_factory=Parameters)
+    closed: bool = False
+
+    @classmethod
+    def fresh(cls, scan: Scan) -> ScanState:
+        """A scan as it was read."""
+        return cls(scan, np.zeros(len(scan), bool), np.zeros(len(scan), np.int8))
+
+    @cached_property
+    def alive(self) -> Bools:
+        """Points that exist for the user: finite and not deleted, (n,) booleans."""
+        return self.scan.valid & ~self.deleted
+
+    @cached_property
+    def shown(self) -> int:
+        """Number of points that exist for the user."""
+        return int(np.count_nonzero(self.alive))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """All that a session holds, apart from how it is looked at."""
+
+    library: Mapping[str, Scan] = field(default_factory=dict)
+    scans: Mapping[str, ScanState] = field(default_factory=dict)
+    leaves: Mapping[str, Leaf] = field(default_factory=dict)
+    fits: Mapping[str, FitRecord] = field(default_factory=dict)
+    samples: Mapping[str, Sample] = field(default_factory=dict)
+
+    def scan(self, key: str) -> ScanState:
+        """The scan of that key; raises `WrongUse` when there is none."""
+        if key not in self.scans:
+            raise WrongUse(f"There is no scan {key} in this session.")
+        return self.scans[key]
+
+    def leaves_of(self, scan: str) -> tuple[Leaf, ...]:
+        """Leaves of one scan, in the order of their keys."""
+        return tuple(leaf for leaf in self.leaves.values() if leaf.scan == scan)
+
+    def with_scan(self, key: str, scan: ScanState) -> State:
+        """The same state with one scan put in place."""
+        return replace(self, scans=put(self.scans, key, scan))
+
+
+def put(mapping: Mapping[str, V], key: str, value: V | None) -> Mapping[str, V]:
+    """A copy of a mapping with one value set, or taken out when it is None.
+
+    Keys stay sorted, so that undoing a removal puts a leaf back in its old place.
+    """
+    copy = dict(mapping)
+    if value is None:
+        copy.pop(key, None)
+    else:
+        copy[key] = value
+    return MappingProxyType(dict(sorted(copy.items())))
+
+
+def next_key(mapping: Mapping[str, object], stem: str) -> str:
+    """A key that sorts behind the others: ``leaf-00004`` after ``leaf-00003``."""
+    last = max((int(key.rpartition("-")[2]) for key in mapping), default=0)
+    return f"{stem}-{last + 1:05d}"

@@ -1,0 +1,58 @@
+"""How the user wants to look at the document; nothing of it changes a number."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+Theme = Literal["system", "light", "dark"]
+
+
+class ColourRange(msgspec.Struct, frozen=True):
+    """Limits of a colour bar; `locked` ones stay when the scan changes."""
+
+    low: float
+    high: float
+    locked: bool = False
+
+
+class ViewState(msgspec.Struct, frozen=True):
+    """Intention of the user: which scan, coloured by what, from where.
+
+    Attributes
+    ----------
+    current : str or None
+        Key of the scan that panels and tools work on.
+    hidden : tuple of str
+        Keys of scans that are not drawn.
+    colour : str
+        Field that colours the points; empty for plain points.
+    ranges : dict of str to ColourRange
+        Limits chosen by hand, by field; others follow the data.
+    maps : dict of str to str
+        Colour maps chosen by hand, by field.
+    point_size : float
+        Pixels, before the screen's scale.
+    show_leaves, show_ghosts : bool
+        Overlays of leaf colours and of points marked as ghosts.
+    leaf : str or None
+        Key of the leaf that panels work on.
+    camera : tuple of three vectors or None
+        Position, focal point, view up in world metres; None shows everything.
+    parallel_scale : float or None
+        Half height of the view in metres when it is orthographic, else None.
+    """
+
+    current: str | None = None
+    hidden: tuple[str, ...] = ()
+    colour: str = ""
+    ranges: dict[str, ColourRange] = {}
+    maps: dict[str, str] = {}
+    point_size: float = 2.0
+    show_leaves: bool = False
+    show_ghosts: bool = True
+    leaf: str | None = None
+    theme: Theme = "system"
+    camera: tuple[tuple[float, float, float], ...] | None = None
+    parallel_scale: float | None = None

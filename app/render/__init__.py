@@ -1,0 +1,1 @@
+"""Pictures without Qt: the only place of `app` that loads VTK."""

@@ -1,0 +1,1 @@
+"""Use-cases: the same call serves the window and the command line."""

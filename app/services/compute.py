@@ -1,0 +1,160 @@
+"""Compute fields of a file and write them, with a report of what it cost."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from app.core.errors import LeafscopeError
+from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_target
+from app.formats.cloud import take_points
+from app.model.fields import Evaluation, Subject, find_spec
+from app.model.operations import SetParameters
+from app.model.project import Project
+from app.model.state import ScanState
+from app.services.curves import ensure_curve
+from app.services.export import export, gather, merge, refuse_unwritable
+from app.services.leaves import find_leaves
+from app.services.opening import Opening, open_file
+
+WARM_UP_POINTS = 64
+CURVE_FIELDS = ("incidence_from_intensity", "delta_omega")
+VERSIONED = ("leafscope", "numpy", "scipy", "numba")
+
+
+def compute_file(
+    opening: Opening,
+    fields: Sequence[str],
+    out: Path,
+    parameters: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+    progress: Progress = QUIET,
+) -> dict[str, Any]:
+    """Read a file, compute fields for every point, write them in file order.
+
+    Parameters
+    ----------
+    fields : sequence of str
+        Names of fields; without curve or leaves those that need them get a curve fitted to
+        the whole scan and leaves found by connectivity, and the report says so.
+    out : Path
+        A file whose suffix names a format that can be written.
+    parameters : mapping
+        Attributes of `Parameters` that differ from the defaults.
+
+    Returns
+    -------
+    dict
+        The report: seconds, parts, computed, undefined, notes, warnings, versions.
+    """
+    refuse_unwritable(out)
+    refuse_target(out, overwrite)
+    start = time.perf_counter()
+    project, keys = open_file(opening, progress.part(0.0, 0.4))
+    read = time.perf_counter() - start
+    for key in keys:
+        prepare(project, key, fields, parameters or {}, progress.part(0.4, 0.5))
+        for name in fields:
+            project.field(key, name, None, progress.part(0.5, 0.9))
+    start = time.perf_counter()
+    export(merge([gather(project, key, fields) for key in keys]), out, overwrite, progress)
+    report = make_report(project, keys, fields)
+    write = time.perf_counter() - start
+    report["seconds"] = {"read": read, **report["seconds"], "write": write}
+    return report
+
+
+def prepare(
+    project: Project,
+    scan: str,
+    fields: Sequence[str],
+    parameters: Mapping[str, Any],
+    progress: Progress = QUIET,
+) -> None:
+    """Set parameters, compile what will run, and make the curve or leaves that are missing."""
+    if parameters:
+        changed = msgspec.structs.replace(project.state.scan(scan).parameters, **parameters)
+        project.do(SetParameters(scan, changed))
+    for name in fields:
+        find_spec(project.catalogue(scan), name)
+    warm_up(project, scan, fields)
+    if any(name in CURVE_FIELDS for name in fields):
+        ensure_curve(project, scan, progress)
+    if "delta_omega" in fields and not project.state.leaves_of(scan):
+        find_leaves(project, scan, progress)
+
+
+def warm_up(project: Project, scan: str, fields: Sequence[str]) -> None:
+    """Compile the kernels of some fields on a handful of points, outside of any timing."""
+    state = project.state.scan(scan)
+    few = np.flatnonzero(state.scan.valid)[:WARM_UP_POINTS]
+    subject = Subject(ScanState.fresh(take_points(state.scan, few)))
+    evaluation = Evaluation(project.catalogue(scan), subject, {})
+    for name in fields:
+        try:
+            evaluation.read(name)
+        except LeafscopeError:
+            continue  # what is missing here is reported by the real computation
+
+
+def make_report(project: Project, keys: Sequence[str], fields: Sequence[str]) -> dict[str, Any]:
+    """Seconds per field (all that it needed), points computed, undefined values, versions."""
+    report: dict[str, Any] = {
+        "seconds": dict.fromkeys(fields, 0.0),
+        "parts": {},
+        "computed": {},
+        "undefined": dict.fromkeys(fields, 0),
+        "notes": {},
+        "warnings": [],
+        "versions": versions(),
+    }
+    for key in keys:
+        _report_scan(project, key, fields, report)
+    return report
+
+
+def _report_scan(project: Project, key: str, fields: Sequence[str], report: dict[str, Any]) -> None:
+    known = project.cache.known(key)
+    state = project.state.scan(key)
+    for name in fields:
+        parts = seconds_of(project, key, name)
+        report["seconds"][name] += sum(parts.values())
+        report["undefined"][name] += int(
+            np.count_nonzero(~np.isfinite(known[name].values) & state.scan.valid)
+        )
+        for part, seconds in {**parts, **_stages(project, key, name)}.items():
+            held = report["parts"].setdefault(name, {})
+            held[part] = held.get(part, 0.0) + seconds
+    for name, count in project.cache.computed(key).items():
+        report["computed"][name] = report["computed"].get(name, 0) + count
+        report["notes"].setdefault(name, {}).update(known[name].notes if name in known else {})
+    report["warnings"] += [w for w in state.scan.warnings if w not in report["warnings"]]
+    report["warnings"] += [f"Done for you: {step.title}." for step in project.history.done[1:]]
+
+
+def seconds_of(project: Project, scan: str, field: str) -> dict[str, float]:
+    """Seconds of a field and of every field it rests on, each without the others."""
+    spec = project.catalogue(scan)[field]
+    known = project.cache.known(scan)
+    parts = {field: known[field].seconds.get("own", 0.0)} if field in known else {}
+    for name in spec.inputs:
+        parts |= seconds_of(project, scan, name)
+    return parts
+
+
+def _stages(project: Project, scan: str, field: str) -> dict[str, float]:
+    seconds = project.cache.known(scan)[field].seconds
+    return {f"{field}.{stage}": value for stage, value in seconds.items() if stage != "own"}
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the numbers came from."""
+    return {"python": platform.python_version(), **{name: version(name) for name in VERSIONED}}

@@ -1,0 +1,134 @@
+"""Angular curves of a scan or of leaves: fit them, keep them, put them to use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+
+from app.core.arrays import Floats, Ints
+from app.core.errors import BadInput, MissingChannel
+from app.core.fitting import FitResult, fit
+from app.core.progress import QUIET, Progress
+from app.core.units import to_radians
+from app.model.leaf import FitRecord
+from app.model.operations import PutFit, SetParameters
+from app.model.parameters import Curve
+from app.model.project import Project
+from app.model.state import next_key
+
+STEEPEST = 80.0
+BIN = 5.0
+DEFAULT_MODEL = "lambert-beckmann"
+
+
+def channel_in_use(project: Project, scan: str) -> str:
+    """The channel that fits use; raises `MissingChannel` when the scan has no intensity."""
+    state = project.state.scan(scan)
+    if state.parameters.channel is not None:
+        return state.scan.channel(state.parameters.channel).name
+    if not state.scan.channels:
+        raise MissingChannel(
+            f"{state.scan.name} has no intensity, and a curve needs it.",
+            "Name a channel if one of its attributes is an intensity.",
+        )
+    return state.scan.channels[0].name
+
+
+def angles_and_values(
+    project: Project, scan: str, points: Ints | None, channel: str, progress: Progress = QUIET
+) -> tuple[Floats, Floats]:
+    """Incidence (degrees) and intensity of the points that can be fitted."""
+    alive = project.state.scan(scan).alive
+    points = np.flatnonzero(alive) if points is None else points[alive[points]]
+    angle = project.field(scan, "incidence", points, progress)
+    value = project.field(scan, channel, points)
+    usable = np.isfinite(angle) & np.isfinite(value)
+    return angle[usable], value[usable]
+
+
+def bin_means(angle: Floats, value: Floats, width: float = BIN) -> tuple[Floats, Floats, Floats]:
+    """Mean angle and value per step of `width` degrees up to 80°, and the count in each."""
+    inside = angle < STEEPEST
+    bins = (angle[inside] // width).astype(np.int64)
+    count = np.bincount(bins)
+    filled = count > 0
+    with np.errstate(invalid="ignore"):
+        angles = np.bincount(bins, angle[inside])[filled] / count[filled]
+        values = np.bincount(bins, value[inside])[filled] / count[filled]
+    return angles, values, count[filled].astype(np.float64)
+
+
+def fit_leaves(
+    project: Project,
+    scan: str,
+    leaves: Sequence[str],
+    model: str,
+    channel: str | None = None,
+    progress: Progress = QUIET,
+) -> FitRecord:
+    """Fit a model to the points of leaves (none named: of the whole scan, per 5° step).
+
+    The fit is kept in the project as one step of the history.
+
+    Raises
+    ------
+    BadInput
+        Too few points with an angle and an intensity.
+    """
+    channel = channel or channel_in_use(project, scan)
+    points = members_of(project, leaves)
+    angle, value = angles_and_values(project, scan, points, channel, progress)
+    result = fit_values(angle, value, model, binned=points is None)
+    key = next_key(project.state.fits, "fit")
+    record = FitRecord(key, scan, tuple(leaves), channel, model, plain(result))
+    project.do(PutFit(key, record))
+    return record
+
+
+def fit_values(angle: Floats, value: Floats, model: str, binned: bool = False) -> FitResult:
+    """Fit a model to angles in degrees, point by point or on means per 5° step."""
+    if len(angle) == 0:
+        raise BadInput("There is no point with both an incidence angle and an intensity to fit.")
+    if not binned:
+        return fit(model, to_radians(angle), value)
+    angles, values, counts = bin_means(angle, value)
+    return fit(model, to_radians(angles), values, weights=counts)
+
+
+def members_of(project: Project, leaves: Sequence[str]) -> Ints | None:
+    """Points of the leaves; None when none is named."""
+    if not leaves:
+        return None
+    return np.unique(np.concatenate([project.state.leaves[k].members.indices for k in leaves]))
+
+
+def use_fit(project: Project, record: FitRecord) -> None:
+    """Make a fit the curve that turns intensity into angles, as one step of the history."""
+    names = [project.state.leaves[key].name for key in record.leaves if key in project.state.leaves]
+    origin = f"fit of {', '.join(names) if names else 'the whole scan'}"
+    values = FitResult.from_dict(record.result).values
+    use_curve(project, record.scan, Curve(record.model, values, record.channel, origin))
+
+
+def use_curve(project: Project, scan: str, curve: Curve, drag: str = "") -> None:
+    """Put a curve to use; the steps of one slider drag merge into one step."""
+    parameters = msgspec.structs.replace(project.state.scan(scan).parameters, curve=curve)
+    project.do(SetParameters(scan, parameters, drag))
+
+
+def ensure_curve(project: Project, scan: str, progress: Progress = QUIET) -> Curve:
+    """The curve in use; where there is none, one is fitted to the whole scan and said so."""
+    curve = project.state.scan(scan).parameters.curve
+    if curve is None:
+        use_fit(project, fit_leaves(project, scan, (), DEFAULT_MODEL, None, progress))
+        curve = project.state.scan(scan).parameters.curve
+    if curve is None:
+        raise BadInput("The fitted curve could not be put to use.")
+    return curve
+
+
+def plain(result: FitResult) -> dict[str, object]:
+    """A fit as plain values, as sessions keep it."""
+    return dict(result.as_dict())

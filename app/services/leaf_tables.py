@@ -1,0 +1,61 @@
+"""The table of leaves of a file: labels or connectivity, measured and written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+
+from app.core.errors import BadInput
+from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_target
+from app.model.operations import SetParameters
+from app.services.leaves import (
+    Row,
+    find_leaves,
+    leaves_from_labels,
+    measure_leaves,
+    write_table,
+)
+from app.services.opening import Opening, open_file
+
+
+def tabulate_leaves(
+    opening: Opening,
+    out: Path,
+    label_field: str | None = None,
+    radius: float | None = None,
+    overwrite: bool = False,
+    progress: Progress = QUIET,
+) -> list[Row]:
+    """Measure all leaves of a file and write them as CSV, a row per leaf.
+
+    Parameters
+    ----------
+    label_field : str or None
+        Field whose whole numbers from 0 on name the leaves; None finds them by
+        connectivity.
+
+    Raises
+    ------
+    BadInput
+        No leaf was found.
+    """
+    refuse_target(out, overwrite)
+    project, keys = open_file(opening, progress.part(0.0, 0.4))
+    rows: list[Row] = []
+    for key in keys:
+        if radius is not None:
+            old = project.state.scan(key).parameters
+            project.do(SetParameters(key, msgspec.structs.replace(old, radius=radius)))
+        if label_field is None:
+            find_leaves(project, key, progress.part(0.4, 0.7))
+        else:
+            leaves_from_labels(project, key, label_field)
+        measured = measure_leaves(project, key, None, progress.part(0.7, 1.0))
+        name = project.state.scan(key).scan.name
+        rows += [{"scan": name, **row} for row in measured]
+    if not rows:
+        raise BadInput(f"No leaf was found in {opening.path.name}.")
+    write_table(rows, out, overwrite)
+    return rows

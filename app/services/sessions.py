@@ -1,0 +1,202 @@
+"""Save and open sessions; replay one without a window to the same numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.core.errors import BadInput
+from app.core.progress import QUIET, Progress
+from app.formats import session as container
+from app.formats.atomic import atomic_path, refuse_target
+from app.formats.options import ReadOptions
+from app.formats.session import Session
+from app.model.history import settle
+from app.model.leaf import FitRecord
+from app.model.operations import AddScan, AnyOperation, PutFit, Several
+from app.model.project import Project
+from app.model.scan import Scan, Source
+from app.model.view_state import ViewState
+from app.services.curves import angles_and_values, fit_values, members_of, plain
+from app.services.export import export, gather
+from app.services.leaves import measure_leaves, write_table
+from app.services.reading import read_file
+
+
+def save_session(project: Project, view: ViewState, path: Path, overwrite: bool = True) -> None:
+    """Save sources, log and view; an older file stays as ``NAME.bak``.
+
+    Raises
+    ------
+    BadInput
+        A scan that came from no file, or a disk that refuses; the old file is intact.
+    """
+    sources: dict[str, Source] = {}
+    for key in project.state.library:
+        source = project.state.library[key].source
+        if source is None:
+            name = project.state.library[key].name
+            raise BadInput(f"{name} came from no file.", "Export it first, then open the export.")
+        sources[key] = source
+    container.write(path, Session(sources, project.history.log, view), overwrite)
+    project.saved_at = len(project.history.log)
+
+
+def open_session(path: Path, progress: Progress = QUIET) -> tuple[Project, ViewState]:
+    """Open a session: read its sources again, check them, replay its log.
+
+    Raises
+    ------
+    BadInput
+        The session is damaged, a source is gone, or a source is not the file it was.
+    """
+    session = container.read(path)
+    project = _load_library(path, session, progress)
+    project.restore(session.log)
+    return project, session.view
+
+
+def _load_library(path: Path, session: Session, progress: Progress) -> Project:
+    _refuse_unknown_scans(path, session)
+    project = Project()
+    for key, scan in read_sources(path, session.sources, progress).items():
+        project.shelve(scan, key)
+    return project
+
+
+def read_sources(
+    path: Path, sources: Mapping[str, Source], progress: Progress = QUIET
+) -> dict[str, Scan]:
+    """Read the scans of a session, each file once, from where they were or from beside it."""
+    scans: dict[str, Scan] = {}
+    files: dict[tuple[Path, str], list[Scan]] = {}
+    for number, (key, source) in enumerate(sources.items()):
+        file = _locate(path, source)
+        mark = (file, json.dumps(dict(source.options), sort_keys=True))
+        if mark not in files:
+            part = progress.part(number / len(sources), (number + 1) / len(sources))
+            files[mark] = read_file(file, ReadOptions.from_text(source.options), part)
+        scans[key] = _pick(files[mark], file, source)
+    return scans
+
+
+def _locate(path: Path, source: Source) -> Path:
+    for candidate in (Path(source.path), path.parent / Path(source.path).name):
+        if candidate.is_file():
+            return candidate
+    raise BadInput(
+        f"The session {path.name} rests on {source.path}, which is not there.",
+        f"Put {Path(source.path).name} back, or into the folder of the session.",
+    )
+
+
+def _pick(scans: list[Scan], file: Path, source: Source) -> Scan:
+    found = next((s for s in scans if s.source and s.source.scan_index == source.scan_index), None)
+    if found is None or found.source is None or found.source.sha256 != source.sha256:
+        raise BadInput(
+            f"{file} is not the file that the session was made from: its content has changed.",
+            "Bring the old file back, or start a new session with the new one.",
+        )
+    return replace(found, source=source)
+
+
+def _refuse_unknown_scans(path: Path, session: Session) -> None:
+    for entry in session.log:
+        for step in _flatten(entry.operation):
+            if isinstance(step, AddScan) and step.scan not in session.sources:
+                raise BadInput(f"The session {path.name} is damaged: it lacks {step.name}.")
+
+
+def _flatten(operation: AnyOperation | None) -> list[AnyOperation]:
+    if operation is None:
+        return []
+    if isinstance(operation, Several):
+        return [inner for step in operation.steps for inner in _flatten(step)]
+    return [operation]
+
+
+def replay(
+    path: Path, out: Path, overwrite: bool = False, progress: Progress = QUIET
+) -> dict[str, Any]:
+    """Open a session headless, compute everything anew, and write its tables and points.
+
+    Writes ``SCAN.npz`` (points as the window exports them), ``SCAN-leaves.csv`` and
+    ``report.json`` into the folder `out`. The report says whether each stored fit came out
+    the same, bit for bit.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    session = container.read(path)
+    project = _load_library(path, session, progress.part(0.0, 0.5))
+    fits = replay_log(project, session)
+    steps = [step.title for step in project.history.done]
+    report: dict[str, Any] = {"session": str(path), "steps": steps, "scans": [], "fits": fits}
+    for key, state in project.state.scans.items():
+        if not state.closed:
+            progress.report(0.6, state.scan.name)
+            report["scans"].append(_replay_scan(project, key, session.view, out, overwrite))
+    target = out / "report.json"
+    with atomic_path(target, overwrite) as temporary:
+        temporary.write_text(json.dumps(report, indent=2))
+    return report
+
+
+def replay_log(project: Project, session: Session) -> list[dict[str, Any]]:
+    """Apply what is in force; fit again at its place in the log, and compare."""
+    verdicts = []
+    done, _ = settle(session.log)
+    for operation in done:
+        if isinstance(operation, PutFit) and operation.fit is not None:
+            verdicts.append(_check_fit(project, operation.fit))
+        project.do(operation)
+    return verdicts
+
+
+def _check_fit(project: Project, record: FitRecord) -> dict[str, Any]:
+    points = members_of(project, record.leaves)
+    angle, value = angles_and_values(project, record.scan, points, record.channel)
+    again = plain(fit_values(angle, value, record.model, binned=not record.leaves))
+    return {
+        "fit": record.key,
+        "model": record.model,
+        "channel": record.channel,
+        "leaves": list(record.leaves),
+        "result": again,
+        "same": _same(again, record.result),
+    }
+
+
+def _same(left: object, right: object) -> bool:
+    # Through JSON, as the session stores it: tuples become lists, floats keep every digit.
+    return json.dumps(left, sort_keys=True) == json.dumps(right, sort_keys=True)
+
+
+def _replay_scan(
+    project: Project, key: str, view: ViewState, out: Path, overwrite: bool
+) -> dict[str, Any]:
+    state = project.state.scan(key)
+    stem = f"{key}-{_safe(state.scan.name)}"
+    fields = [view.colour] if view.colour in project.catalogue(key) else []
+    points, leaves = out / f"{stem}.npz", out / f"{stem}-leaves.csv"
+    refuse_target(points, overwrite)
+    export(gather(project, key, fields), points, overwrite)
+    rows = measure_leaves(project, key)
+    if rows:
+        write_table(rows, leaves, overwrite)
+    return {
+        "scan": state.scan.name,
+        "points": len(state.scan),
+        "shown": state.shown,
+        "ghosts_marked": int(np.count_nonzero(state.marks == 1)),
+        "leaves": len(rows),
+        "file": points.name,
+        "table": leaves.name if rows else None,
+    }
+
+
+def _safe(name: str) -> str:
+    return "".join(c if c.isalnum() or c in "-_." else "_" for c in name)[:60] or "scan"

@@ -1,0 +1,100 @@
+"""A picture of a scan coloured by a field, without a window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from app.core.errors import MissingScanner, WrongUse
+from app.core.progress import QUIET, Progress
+from app.formats.atomic import atomic_path, refuse_target
+from app.model.operations import SetParameters
+from app.model.project import Project
+from app.model.scene import resolve
+from app.model.view_state import ColourRange, ViewState
+from app.services.compute import prepare
+from app.services.opening import Opening, open_file
+
+Theme = Literal["light", "dark"]
+
+
+def snapshot_file(
+    opening: Opening,
+    colour: str,
+    out: Path,
+    size: tuple[int, int] = (1280, 800),
+    theme: Theme = "light",
+    limits: tuple[float, float] | None = None,
+    radius: float | None = None,
+    overwrite: bool = False,
+    progress: Progress = QUIET,
+) -> None:
+    """Make a PNG of a file, seen from its scanner where that is known.
+
+    Raises
+    ------
+    WrongUse
+        A field that does not exist.
+    BadInput
+        The file cannot be read, or lacks what the field needs.
+    """
+    refuse_target(out, overwrite)
+    project, keys = open_file(opening, progress.part(0.0, 0.4))
+    for key in keys:
+        if radius is not None:
+            old = project.state.scan(key).parameters
+            project.do(SetParameters(key, msgspec.structs.replace(old, radius=radius)))
+        prepare(project, key, (colour,), {}, progress)
+        project.field(key, colour, None, progress.part(0.4, 0.8))
+    ranges = {colour: ColourRange(*limits)} if limits else {}
+    view = ViewState(current=keys[0] if keys else None, colour=colour, ranges=ranges)
+    write_picture(project, view, out, size, theme, overwrite)
+
+
+def write_picture(
+    project: Project,
+    view: ViewState,
+    out: Path,
+    size: tuple[int, int],
+    theme: Theme,
+    overwrite: bool = False,
+) -> None:
+    """Draw what a view shows of a project, from the scanner of its current scan."""
+    from app.render.picture import ProjectSource
+    from app.render.snapshot import png_bytes, render_snapshot
+
+    scanner = None
+    if view.current is not None:
+        try:
+            scanner = project.state.scan(view.current).scan.scanner("the view")
+        except MissingScanner:
+            scanner = None  # an unknown position only means another view
+    image = render_snapshot(
+        resolve(project, view), ProjectSource(project, view), size, theme, None, scanner
+    )
+    with atomic_path(out, overwrite) as temporary:
+        temporary.write_bytes(png_bytes(image, Title=view.colour, Software="Leafscope"))
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read ``WxH`` in pixels; raises `WrongUse` when it is something else."""
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError as error:
+        raise WrongUse(f"--size takes WxH in pixels, e.g. 1280x800, not {text!r}.") from error
+    if not (64 <= width <= 16_384 and 64 <= height <= 16_384):
+        raise WrongUse(f"--size must lie between 64x64 and 16384x16384, not at {text}.")
+    return width, height
+
+
+def parse_limits(text: str) -> tuple[float, float]:
+    """Read ``LOW,HIGH``; raises `WrongUse` when it is something else."""
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise WrongUse(f"--limits takes two numbers, LOW,HIGH, not {text!r}.") from error
+    if not low < high:
+        raise WrongUse(f"--limits needs LOW below HIGH, not {text}.")
+    return low, high

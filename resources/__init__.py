@@ -1,0 +1,1 @@
+"""Icons, palettes, presets and the guide: files that any layer may read."""

@@ -1,0 +1,77 @@
+"""Files appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from app.core.errors import BadInput, Cancelled
+from app.formats.atomic import atomic_path
+
+
+def test_new_file_appears_after_the_block(tmp_path: Path) -> None:
+    target = tmp_path / "a.ply"
+    with atomic_path(target) as temporary:
+        assert temporary == tmp_path / f"a.ply.tmp-{os.getpid()}"
+        temporary.write_text("whole")
+        assert not target.exists()
+    assert target.read_text() == "whole"
+    assert os.listdir(tmp_path) == ["a.ply"]
+
+
+def test_existing_file_needs_permission(tmp_path: Path) -> None:
+    target = tmp_path / "a.ply"
+    target.write_text("old")
+    with pytest.raises(BadInput, match="exists already"), atomic_path(target):
+        pytest.fail("the block must not run")
+    with atomic_path(target, overwrite=True) as temporary:
+        temporary.write_text("new")
+    assert target.read_text() == "new"
+
+
+def write_half(target: Path, error: BaseException) -> None:
+    with atomic_path(target, overwrite=True) as temporary:
+        temporary.write_text("half")
+        raise error
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), Cancelled(), KeyError()])
+def test_failure_leaves_the_old_file(tmp_path: Path, error: BaseException) -> None:
+    target = tmp_path / "a.ply"
+    target.write_text("old")
+    expected = BadInput if isinstance(error, OSError) else type(error)
+    with pytest.raises(expected):
+        write_half(target, error)
+    assert target.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.ply"]
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_fault_in_the_last_steps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(5, "Input/output error")
+
+    target = tmp_path / "a.ply"
+    target.write_text("old")
+    monkeypatch.setattr(os, step, fail)
+    with (
+        pytest.raises(BadInput, match="Input/output error"),
+        atomic_path(target, overwrite=True) as temporary,
+    ):
+        temporary.write_text("new")
+    assert target.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.ply"]
+
+
+def test_missing_folder_is_said(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="does not exist"), atomic_path(tmp_path / "no" / "a.ply"):
+        pytest.fail("the block must not run")
+
+
+def test_folder_as_target_is_said(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="is a folder"), atomic_path(tmp_path, overwrite=True):
+        pytest.fail("the block must not run")

@@ -1,0 +1,216 @@
+"""What the lasso and the panels do with leaves, ghosts and curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Literal
+
+import msgspec
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from app.core.progress import Progress
+from app.core.screen import LassoResult, View, select_in_lasso
+from app.model.leaf import FitRecord, Leaf
+from app.model.operations import MarkGhosts, PutLeaf, Select, SetDeleted, SetParameters, Several
+from app.model.parameters import Curve
+from app.model.points import EMPTY, PointSet
+from app.model.selection import Difference, Explicit, Lasso, LassoMode, Selection
+from app.model.state import next_key
+from app.services.cleaning import correct_ghosts, delete_ghosts, mark_ghosts
+from app.services.curves import fit_leaves, use_curve, use_fit
+from app.services.leaves import find_leaves, key_number
+from widgets.controller import Controller
+
+Purpose = Literal["select", "leaf", "ghost", "delete"]
+Combine = Literal["replace", "add", "subtract"]
+
+
+class LeafWork(QObject):
+    """Selections become leaves, ghosts or deletions; leaves get fits and curves.
+
+    Signals
+    -------
+    fitted(FitRecord)
+    """
+
+    fitted = Signal(object)
+
+    def __init__(self, controller: Controller) -> None:
+        super().__init__(controller)
+        self._controller = controller
+
+    def lasso(
+        self,
+        view: View,
+        polygon: Sequence[tuple[float, float]],
+        mode: LassoMode,
+        purpose: Purpose,
+        combine: Combine = "replace",
+    ) -> None:
+        """Find the points in a contour, on all points, and do with them what the tool is for."""
+        controller, key, state = self._controller, self._controller.current, self._controller.scan
+        if key is None or state is None:
+            controller.said.emit("Open a scan first.")
+            return
+        corners = tuple((float(x), float(y)) for x, y in polygon)
+
+        def work(progress: Progress) -> LassoResult:
+            progress.report(0.1, "Selecting")
+            return select_in_lasso(state.scan.xyz, state.alive, view, np.array(corners), mode)
+
+        def done(found: LassoResult) -> None:
+            controller.said.emit(found.describe())
+            basis = Lasso(view, corners, mode, found.tolerance)
+            self.apply(key, PointSet(found.indices), basis, purpose, combine)
+
+        controller.run("Selecting", work, done)
+
+    def apply(
+        self,
+        scan: str,
+        points: PointSet,
+        basis: Selection,
+        purpose: Purpose,
+        combine: Combine = "replace",
+    ) -> None:
+        """Do with points what a tool is for; an empty set changes nothing."""
+        if len(points) == 0:
+            return
+        if purpose == "leaf":
+            self._extend_leaf(scan, points, basis, combine)
+        elif purpose == "ghost":
+            taken = combine == "subtract"
+            self._controller.do(
+                MarkGhosts(scan, cleared=points, basis=basis)
+                if taken
+                else MarkGhosts(scan, ghosts=points, basis=basis)
+            )
+        elif purpose == "delete":
+            self._controller.do(SetDeleted(scan, points, combine != "subtract", basis))
+        else:
+            old = self._controller.project.state.scan(scan).selection
+            combined = {"replace": points, "add": old | points, "subtract": old - points}[combine]
+            self._controller.do(Select(scan, combined, basis))
+
+    def _extend_leaf(self, scan: str, points: PointSet, basis: Selection, combine: Combine) -> None:
+        leaves = self._controller.project.state.leaves
+        current = leaves.get(self._controller.view.leaf or "")
+        if combine == "replace" or current is None or current.scan != scan:
+            self.make_leaf(scan, points, basis)
+        elif combine == "add":
+            self._put(current, current.members | points, (*current.basis, basis), "Extend")
+        else:
+            kept = current.members - points
+            less = Difference(Explicit(current.members), basis)
+            self._put(current, kept, (less,), "Cut")
+
+    def make_leaf(self, scan: str, points: PointSet, basis: Selection) -> None:
+        """Make a leaf of points and let panels work on it."""
+        key = next_key(self._controller.project.state.leaves, "leaf")
+        leaf = Leaf(key, scan, f"Leaf {key_number(key)}", points, (basis,))
+        if self._controller.do(PutLeaf(key, leaf)):
+            self._controller.look(leaf=key)
+
+    def rename(self, key: str, name: str) -> None:
+        """Give a leaf another name."""
+        leaf = self._controller.project.state.leaves[key]
+        if name and name != leaf.name:
+            self._controller.do(PutLeaf(key, msgspec.structs.replace(leaf, name=name), "Rename"))
+
+    def merge(self, keys: Sequence[str]) -> None:
+        """Make one leaf of several: the first keeps its name."""
+        leaves = [self._controller.project.state.leaves[key] for key in keys]
+        if len(leaves) < 2:
+            return
+        members = PointSet(np.concatenate([leaf.members.indices for leaf in leaves]))
+        basis = tuple(part for leaf in leaves for part in leaf.basis)
+        merged = msgspec.structs.replace(leaves[0], members=members, basis=basis)
+        steps = [PutLeaf(leaf.key, None) for leaf in leaves[1:]]
+        first = PutLeaf(merged.key, merged, "Merge into")
+        self._controller.do(Several(f"Merge {len(leaves)} leaves", (first, *steps)))
+
+    def remove(self, keys: Sequence[str]) -> None:
+        """Remove leaves; their points stay."""
+        steps = tuple(PutLeaf(key, None) for key in keys)
+        if len(steps) == 1:
+            self._controller.do(steps[0])
+        elif steps:
+            self._controller.do(Several(f"Remove {len(steps)} leaves", steps))
+
+    def select_leaf(self, key: str) -> None:
+        """Make the points of a leaf the selection."""
+        leaf = self._controller.project.state.leaves[key]
+        self._controller.do(Select(leaf.scan, leaf.members, Explicit(leaf.members)))
+
+    def clear_selection(self) -> None:
+        """Select nothing."""
+        if self._controller.current is not None:
+            self._controller.do(Select(self._controller.current, EMPTY))
+
+    def find_all(self) -> None:
+        """Segment the current scan into leaves."""
+        self._with_field("ghost", lambda key: find_leaves(self._controller.project, key))
+
+    def fit(self, keys: Sequence[str], model: str, channel: str) -> None:
+        """Fit a model to leaves (none: the whole scan); the fit is kept as a step."""
+        scan = self._controller.current
+        if scan is None:
+            return
+        leaves = self._controller.project.state.leaves
+        rows = [leaves[key].members.indices for key in keys]
+        points = np.unique(np.concatenate(rows)) if rows else None
+
+        def then() -> None:
+            record: list[FitRecord] = []
+            project = self._controller.project
+            if self._controller.attempt(
+                lambda: record.append(fit_leaves(project, scan, keys, model, channel))
+            ):
+                self.fitted.emit(record[0])
+
+        self._controller.want(scan, "incidence", points, then)
+
+    def use_fit(self, record: FitRecord) -> None:
+        """Make a fit the curve in use."""
+        self._controller.attempt(lambda: use_fit(self._controller.project, record))
+
+    def use_curve(self, curve: Curve, drag: str = "") -> None:
+        """Put a curve to use; the steps of one slider drag share the word `drag`."""
+        key = self._controller.current
+        if key is not None:
+            self._controller.attempt(lambda: use_curve(self._controller.project, key, curve, drag))
+
+    def set_parameters(self, drag: str = "", **changes: object) -> None:
+        """Change parameters of the current scan, e.g. ``set_parameters(radius=0.006)``."""
+        key, state = self._controller.current, self._controller.scan
+        if key is not None and state is not None:
+            self._controller.attempt(
+                lambda: self._controller.project.do(
+                    SetParameters(key, msgspec.structs.replace(state.parameters, **changes), drag)
+                )
+            )
+
+    def mark_ghosts(self) -> None:
+        """Mark what the threshold calls ghosts."""
+        self._with_field("ghost", lambda key: mark_ghosts(self._controller.project, key))
+
+    def delete_ghosts(self) -> None:
+        """Delete what counts as ghosts."""
+        self._with_field("ghost", lambda key: delete_ghosts(self._controller.project, key))
+
+    def correct_ghosts(self) -> None:
+        """Put ghosts back on their surface."""
+        self._with_field("ghost", lambda key: correct_ghosts(self._controller.project, key))
+
+    def _put(self, leaf: Leaf, members: PointSet, basis: tuple[Selection, ...], verb: str) -> None:
+        changed = msgspec.structs.replace(leaf, members=members, basis=basis)
+        self._controller.do(PutLeaf(leaf.key, changed, verb))
+
+    def _with_field(self, field: str, deed: Callable[[str], object]) -> None:
+        key = self._controller.current
+        if key is not None:
+            self._controller.want(key, field, None, lambda: self._attempt(deed, key))
+
+    def _attempt(self, deed: Callable[[str], object], key: str) -> None:
+        self._controller.attempt(lambda: deed(key))

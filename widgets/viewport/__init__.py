@@ -1,0 +1,1 @@
+"""The picture of the scans, and the mouse tools that work in it."""

@@ -1,0 +1,1 @@
+"""Mouse tools: one file each, all with the same few methods."""
