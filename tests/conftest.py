@@ -5,8 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+from app.model.scan import Scan
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"
+
+# Kernels compile on their first call, which no example should be blamed for.
+settings.register_profile("leafscope", deadline=None)
+settings.load_profile("leafscope")
 
 
 @pytest.fixture(scope="session")
@@ -15,3 +22,22 @@ def shared_data() -> Path:
     if not SHARED.is_dir():
         pytest.skip(f"real scans are not here: {SHARED}")
     return SHARED
+
+
+@pytest.fixture(scope="session")
+def leaves() -> Scan:
+    """A simulated scan of six leaves before a wall, with truth per point."""
+    from app.simulate.scenes import leaves_scan
+
+    return leaves_scan(seed=4, leaves=6, step_deg=0.05)
+
+
+@pytest.fixture(scope="session")
+def leaves_file(leaves: Scan, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same scan as a LAZ file with its sidecar."""
+    from app.formats.cloud import Cloud
+    from app.services.export import export
+
+    path = tmp_path_factory.mktemp("scan") / "leaves.laz"
+    export(Cloud(leaves), path)
+    return path

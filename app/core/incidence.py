@@ -87,9 +87,10 @@ def local_planes(
 ) -> LocalPlanes:
     """Fit a plane by total least squares to the points in a ball around each asked point.
 
-    A ball with fewer than six points grows in steps of 1.5 up to ten times the radius; on a
-    grid it stops growing once its window has 1024 cells. A point that still has fewer than
-    three, or all on one line, gets NaN, as does one without finite coordinates or range.
+    A ball with fewer than six points, or with all on one line as the scanner sees them, grows
+    in steps of 1.5 up to ten times the radius; on a grid it stops growing once its window has
+    1024 cells. A point that still has fewer than three, or a line, gets NaN, as does one
+    without finite coordinates or range.
 
     Parameters
     ----------

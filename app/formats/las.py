@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from app.formats.channels import recognise_channels
 from app.formats.guard import library_errors
 from app.formats.header import Header
 from app.formats.las_preflight import Layout, describe, parse_names, read_layout
+from app.formats.las_rescue import rescue_records
 from app.formats.las_write import write
 from app.formats.options import DEFAULTS, ReadOptions
 from app.formats.sidecar import restore_sidecar
@@ -51,7 +51,7 @@ def read(path: Path, options: ReadOptions, progress: Progress) -> list[Scan]:
     layout = read_layout(path, options.recover)
     table = _Table(layout, options.every_nth)
     with library_errors(path, "the LAS reader"), path.open("rb") as file:
-        for records in _read_chunks(file, layout, options.recover):
+        for records in _read_chunks(file, layout):
             table.take(records)
             progress.report(table.seen / layout.points, "Reading points")
     return [restore_sidecar(path, _make_scan(path, layout, table))]
@@ -165,13 +165,14 @@ def _free_name(name: str, columns: list[_Column]) -> str:
     return name
 
 
-def _read_chunks(file: BinaryIO, layout: Layout, recover: bool) -> Iterator[AnyArray]:
+def _read_chunks(file: BinaryIO, layout: Layout) -> Iterator[AnyArray]:
     if layout.points == 0:
         return
     file.seek(layout.offset)
     record_type = make_record_type(layout)
-    if recover and layout.compressed:
-        yield from _rescue(file, layout, record_type)
+    if layout.shortfall and layout.compressed:
+        for block in rescue_records(file, layout):
+            yield np.frombuffer(block, record_type)
         return
     decode = _unpack(file, layout) if layout.compressed else _fill(file)
     for start in range(0, layout.points, _CHUNK):
@@ -211,27 +212,6 @@ def _unpack_in_sequence(file: BinaryIO, layout: Layout) -> Decode:
         raw = raw[:12] + min(layout.points, 0xFFFFFFFE).to_bytes(4, "little") + raw[16:]
     decoder = lazrs.LasZipDecompressor(file, raw)
     return decoder.decompress_many  # type: ignore[no-any-return]
-
-
-def _rescue(file: BinaryIO, layout: Layout, record_type: np.dtype[np.void]) -> Iterator[AnyArray]:
-    """Decode record by record until the damage; what came before it is whole."""
-    # The place of the chunk table is blanked: without one lazrs reads on without looking back.
-    blanked = io.BytesIO(bytes(8) + file.read()[8:])
-    decode = _unpack_in_sequence(blanked, layout)
-    record = bytearray(layout.record_bytes)
-    whole = bytearray()
-    for i in range(layout.points):
-        try:
-            decode(record)
-        except (KeyboardInterrupt, SystemExit, MemoryError):
-            raise
-        except BaseException:  # noqa: BLE001 (a Rust panic is no Exception; here damage ends it)
-            break
-        whole += record
-        if i % _CHUNK == _CHUNK - 1:
-            yield np.frombuffer(whole, record_type)
-            whole = bytearray()
-    yield np.frombuffer(whole, record_type)
 
 
 def _make_scan(path: Path, layout: Layout, table: _Table) -> Scan:

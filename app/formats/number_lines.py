@@ -57,7 +57,7 @@ def narrow(values: AnyArray, type_name: str) -> AnyArray:
         with np.errstate(over="ignore"):
             return values.astype(type_name)
     limits = np.iinfo(type_name)
-    fits = np.all((values >= limits.min) & (values <= limits.max) & (values % 1 == 0))
+    fits = np.all((values >= limits.min) & (values <= limits.max) & (np.floor(values) == values))
     return values.astype(type_name) if fits else values
 
 
@@ -112,14 +112,16 @@ def _split_lines(block: bytes) -> list[str]:
 def split_cells(line: str, separator: str | None) -> list[str]:
     """Cells of one line, without quotes and the space around them."""
     if '"' in line:
-        cells = _split_quoted(line.strip(), separator or " ")
+        cells = _split_quoted(line.strip("\r\n"), separator)
     else:
         cells = line.strip("\r\n").split(separator)
     cells = [cell.strip() for cell in cells]
     return cells if separator else [cell for cell in cells if cell]
 
 
-def _split_quoted(line: str, separator: str) -> list[str]:
+def _split_quoted(line: str, separator: str | None) -> list[str]:
+    if separator is None:
+        line, separator = line.replace("\t", " "), " "
     try:
         return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
     except csv.Error as error:

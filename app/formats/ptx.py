@@ -99,6 +99,8 @@ def _walk(path: Path, reader: LineReader, options: ReadOptions) -> Iterator[_Par
     for index in range(MOST_SCANS + 1):
         header = read_scan_header(path, reader)
         if header is None:
+            if index == 0:
+                raise BadInput(f"{path.name} holds no scan.", "The file is empty.")
             return
         if index == MOST_SCANS:
             raise BadInput(f"{path.name} holds more than {MOST_SCANS} scans.", "Split it.")
@@ -221,6 +223,8 @@ def _build_scan(
 
 def _narrow_colour(name: str, values: Floats) -> AnyArray:
     """Colours as bytes where they are whole numbers of a byte; anything else as it is."""
-    if name == "intensity" or not np.all((values >= 0) & (values <= 255) & (values % 1 == 0)):
+    if name == "intensity" or not np.all(
+        (values >= 0) & (values <= 255) & (np.floor(values) == values)
+    ):
         return values
     return values.astype(np.uint8)

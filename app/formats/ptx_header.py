@@ -50,13 +50,14 @@ class ScanHeader:
         """World coordinates of (n, 3) file coordinates."""
         if np.array_equal(self.axes, np.eye(3)):
             return xyz + self.origin  # exact, and NaN in one coordinate stays in it
-        return xyz @ self.axes + self.origin
+        with np.errstate(invalid="ignore", over="ignore"):  # infinite points stay so
+            return xyz @ self.axes + self.origin
 
     def pose(self, xyz: Floats) -> tuple[Pose | None, tuple[str, ...]]:
         """Pose of the scanner and doubts about it; None where it is a mere default."""
         sample = xyz[:: max(1, len(xyz) // 1000)]
         sample = sample[np.isfinite(sample).all(axis=1)]
-        distance = np.median(np.linalg.norm(sample - self.origin, axis=1)) if len(sample) else 0.0
+        distance = _middle_distance(sample, self.origin)
         doubts: tuple[str, ...] = ()
         if distance > FARTHEST:
             doubts = (f"The file puts the scanner {distance / 1000:.0f} km from the points.",)
@@ -68,6 +69,13 @@ class ScanHeader:
         axes = (self.axes / np.where(lengths > 0, lengths, 1.0)[:, None]).T.tolist()
         x, y, z = self.origin.tolist()
         return Pose((x, y, z), (tuple(axes[0]), tuple(axes[1]), tuple(axes[2]))), doubts
+
+
+def _middle_distance(xyz: Floats, origin: Floats) -> float:
+    if not len(xyz):
+        return 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.median(np.linalg.norm(xyz - origin, axis=1)))
 
 
 def read_scan_header(path: Path, reader: LineReader) -> ScanHeader | None:

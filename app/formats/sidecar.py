@@ -181,7 +181,9 @@ def _restore_grid(
 ) -> tuple[Grid | None, tuple[str, ...]]:
     inside = size.rows > 0 and size.columns > 0 and size.rows * size.columns <= MOST_CELLS
     for cells, count in ((row, size.rows), (column, size.columns)):
-        inside = inside and bool(np.all((cells >= 0) & (cells < count) & (cells % 1 == 0)))
+        inside = inside and bool(
+            np.all((cells >= 0) & (cells < count) & (np.floor(cells) == cells))
+        )
     if not inside:
         return None, ("Rows or columns lie outside the grid; it is ignored.",)
     empty = _expand_runs(size)

@@ -141,7 +141,7 @@ def _refuse_ragged(path: Path, table: _Table) -> None:
         raise BadInput(
             f"{path.name}: {table.left_out} lines are no row of {len(table.kinds)} columns,"
             f" first {table.first_left_out}.",
-            "Give --separator, --header-lines or --columns.",
+            "Give --separator or --columns.",
         )
 
 

@@ -133,7 +133,7 @@ def _find_rows(
     found = next((line.strip() for line in lines if line.strip()), "nothing")
     raise BadInput(
         f"{path.name} holds no line of three numbers or more; it begins with {found[:60]!r}.",
-        "Give --separator and --header-lines if there are columns.",
+        "Give --separator if there are columns.",
     )
 
 

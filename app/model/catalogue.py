@@ -143,7 +143,7 @@ def compute_incidence_from_intensity(evaluation: Evaluation, points: Ints | None
 
     curve = _curve_in_use(evaluation)
     intensity = evaluation.read(curve.channel, points)
-    angles = get_model(curve.model).inverse(intensity, curve.values)
+    angles = get_model(curve.model).inverse(intensity, curve.values, curve.within)
     return Computed(to_degrees(angles), {"curve": curve.model, "origin": curve.origin})
 
 

@@ -14,13 +14,23 @@ from app.core.incidence import RADIUS
 class Curve(msgspec.Struct, frozen=True):
     """An angular curve I(ω) in use: a model of `app.core.phase` with its values.
 
-    `origin` says in words where it comes from, e.g. "fit of Leaf 3".
+    Attributes
+    ----------
+    model : str
+    values : dict of str to float
+        Only those that are determined.
+    channel : str
+    origin : str
+        Where it comes from in words, e.g. "fit of Leaf 3".
+    within : (low, high)
+        Radians between which intensity may be turned into an angle.
     """
 
     model: str
     values: dict[str, float]
     channel: str
     origin: str = ""
+    within: tuple[float, float] = (0.0, math.pi / 2)
 
 
 class Formula(msgspec.Struct, frozen=True):

@@ -78,7 +78,7 @@ class CloudActor:
         return drawn
 
     def bounds(self) -> Floats | None:
-        """Corners (2, 3) in world metres around the points that are drawn, None if there are none."""
+        """Corners (2, 3) around the points that are drawn, world metres; None without any."""
         return self._box
 
     def _measure(self) -> Floats | None:

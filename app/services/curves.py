@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import msgspec
@@ -108,8 +109,10 @@ def use_fit(project: Project, record: FitRecord) -> None:
     """Make a fit the curve that turns intensity into angles, as one step of the history."""
     names = [project.state.leaves[key].name for key in record.leaves if key in project.state.leaves]
     origin = f"fit of {', '.join(names) if names else 'the whole scan'}"
-    values = FitResult.from_dict(record.result).values
-    use_curve(project, record.scan, Curve(record.model, values, record.channel, origin))
+    result = FitResult.from_dict(record.result)
+    values = {name: value for name, value in result.values.items() if math.isfinite(value)}
+    curve = Curve(record.model, values, record.channel, origin, result.valid_range)
+    use_curve(project, record.scan, curve)
 
 
 def use_curve(project: Project, scan: str, curve: Curve, drag: str = "") -> None:

@@ -16,7 +16,7 @@ from app.formats import ptx
 from app.formats.options import ReadOptions
 
 TURNED = ["2 3 4", "0 1 0", "-1 0 0", "0 0 1", "0 1 0 0", "-1 0 0 0", "0 0 1 0", "2 3 4 1"]
-NUMBERS = st.sampled_from(["0", "1.5", "-2", "0.25", "1e3", "nan"])
+NUMBERS = st.sampled_from(["0", "1.5", "-2", "0.25", "1e3", "nan", "inf"])
 PLAIN = ReadOptions()
 
 
@@ -162,6 +162,15 @@ def test_noise(tmp_path_factory: pytest.TempPathFactory, noise: bytes) -> None:
             ptx.read(path, options, QUIET)
         except BadInput:
             continue
+
+
+@pytest.mark.parametrize("content", ["", "\n \n"])
+def test_empty_file_is_said(tmp_path: Path, content: str) -> None:
+    path = put(tmp_path, content)
+    with pytest.raises(BadInput, match="holds no scan"):
+        ptx.preflight(path)
+    with pytest.raises(BadInput, match="holds no scan"):
+        ptx.read(path, PLAIN, QUIET)
 
 
 def test_content_is_recognised_without_the_suffix() -> None:

@@ -153,6 +153,6 @@ def test_wrong_fixed_parameter_stops_all_groups() -> None:
 
 
 def test_groups_can_be_cancelled() -> None:
-    stop = LiveProgress(lambda fraction, text: None, lambda: True)
+    stop = LiveProgress(print, lambda: True)
     with pytest.raises(Cancelled):
         fit_groups([({}, DEGREES, curve())], "lambert", progress=stop)

@@ -10,7 +10,7 @@ from pyvistaqt.rwi import QVTKRenderWindowInteractor
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 
-class Canvas(QVTKRenderWindowInteractor):
+class Canvas(QVTKRenderWindowInteractor):  # type: ignore[misc]
     """Shows one VTK renderer; leaves mouse and keys to its parent.
 
     pyvistaqt's widget renders the whole scene whenever Qt repaints it, also when only
@@ -36,6 +36,9 @@ class Canvas(QVTKRenderWindowInteractor):
         self.window_ = self.GetRenderWindow()
         self.window_.SetMultiSamples(0)
         self.window_.AddRenderer(renderer)
+        interactor = self.window_.GetInteractor()
+        interactor.SetInteractorStyle(None)
+        interactor.Initialize()  # one that is not enabled renders nothing
 
     def draw(self) -> None:
         """Ask for a new frame; several wishes before the next repaint make one frame."""
@@ -46,6 +49,11 @@ class Canvas(QVTKRenderWindowInteractor):
         """Width and height in device pixels."""
         scale = self.devicePixelRatioF()
         return max(1, round(self.width() * scale)), max(1, round(self.height() * scale))
+
+    def aspect(self) -> float:
+        """Width over height."""
+        width, height = self.device_size()
+        return width / height
 
     def read_depth(self, column: int, row: int, radius: int) -> tuple[int, int, float] | None:
         """The nearest drawn pixel around a place.

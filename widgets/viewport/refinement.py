@@ -1,4 +1,4 @@
-"""Few points while the camera moves, all of them when it rests, in steps that can be interrupted."""
+"""Few points while the camera moves, all when it rests, in steps that can be interrupted."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def report_fit(
         warnings=(
             *pairs.warnings,
             *_explain_missing(model, values, free, deviations),
-            *model.remark(in_units, pairs.angle, scatter),
+            *model.remark(in_units, pairs.angle, scatter, fixed),
         ),
     )
 

@@ -80,8 +80,7 @@ def _require_enough(model: PhaseModel, pairs: Pairs, free: int) -> None:
     left_out = " ".join(pairs.warnings)
     if len(pairs) <= free:
         raise BadInput(
-            f"{model.name} has {free} free parameters and needs more pairs than that,"
-            f" not {len(pairs)}.",
+            f"{model.name} needs more pairs than free parameters, {free}; there are {len(pairs)}.",
             left_out,
         )
     angles = len(np.unique(pairs.angle))
@@ -89,7 +88,7 @@ def _require_enough(model: PhaseModel, pairs: Pairs, free: int) -> None:
         raise BadInput("All angles are equal: they say nothing about the angle.", left_out)
     if angles < free:
         raise BadInput(
-            f"{model.name} has {free} free parameters and needs as many different angles,"
-            f" not {angles}.",
+            f"{model.name} needs as many different angles as free parameters, {free}; there are"
+            f" {angles}.",
             left_out,
         )

@@ -4,6 +4,9 @@ They are single-threaded and release the interpreter lock: `app.core.chunks` run
 threads. numba's own parallel loops cost two seconds to compile, and its default threading
 layer aborts the process when two threads enter it at once.
 
+A kernel's cache is renewed when its own file changes, not when a file that it calls into
+does: after editing `plane.py` touch `grid.py` and `voxels.py`.
+
 `SAFE` holds the relaxations that still know what NaN is; full fastmath does not.
 """
 

@@ -9,7 +9,7 @@ from numba import njit
 
 from app.core.arrays import AnyArray
 from app.core.kernels import SAFE
-from app.core.kernels.plane import SUMS, add_ball, store_plane
+from app.core.kernels.plane import SUMS, add_ball, covers_area, store_plane
 
 MOST_PER_ROW = 512
 MARGIN = 1.02
@@ -170,6 +170,7 @@ def fit_in_windows(
         px, py, pz = x[p], y[p], z[p]
         dx, dy, dz = px - scanner[0], py - scanner[1], pz - scanner[2]
         distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+        defined = False
         for g in range(widths.size):
             angle = math.asin(min(1.0, widths[g] / distance))
             high, wide = half_window(row[i], column[i], angle, down, across)
@@ -181,6 +182,8 @@ def fit_in_windows(
             )  # fmt: skip
             count[k] = int(sums[0])
             width[k] = widths[g]
-            if sums[0] >= enough:
+            defined = covers_area(sums, px, py, pz, scanner, widths[g])
+            if sums[0] >= enough and defined:
                 break
-        rms[k] = store_plane(sums, px, py, pz, scanner, normals[k])
+        if defined:
+            rms[k] = store_plane(sums, px, py, pz, scanner, normals[k])

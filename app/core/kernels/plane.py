@@ -13,6 +13,8 @@ from app.core.kernels import SAFE
 SUMS = 10
 COLLINEAR = 1e-10
 SWEEPS = 12
+LEAST_SPREAD = 0.02
+"""Smallest standard deviation across the beam, in radii; a dense surface has 0.5 cos ω."""
 
 
 @njit(cache=True, nogil=True, fastmath=SAFE)
@@ -100,6 +102,34 @@ def smallest_axis(a: float, d: float, e: float, b: float, f: float, c: float) ->
     if b == low:
         return v0, v1, v2, low, middle, high
     return w0, w1, w2, low, middle, high
+
+
+@njit(cache=True, nogil=True)
+def covers_area(
+    sums: AnyArray, px: float, py: float, pz: float, scanner: AnyArray, width: float
+) -> bool:
+    """Whether the points spread in two directions as the scanner sees them.
+
+    Where columns lie far apart a ball may hold points of one column only. Their noise along
+    the beam then passes for a second direction, and every such plane seems edge-on.
+    """
+    n = sums[0]
+    if n < 3.0:
+        return False
+    mx, my, mz = sums[1] / n, sums[2] / n, sums[3] / n
+    xx, xy, xz = sums[4] / n - mx * mx, sums[5] / n - mx * my, sums[6] / n - mx * mz
+    yy, yz, zz = sums[7] / n - my * my, sums[8] / n - my * mz, sums[9] / n - mz * mz
+    bx, by, bz = px - scanner[0], py - scanner[1], pz - scanner[2]
+    length = bx * bx + by * by + bz * bz
+    # Trace and determinant of the covariance projected along the beam; the latter through
+    # the adjugate.
+    along = bx * bx * xx + by * by * yy + bz * bz * zz
+    along += 2.0 * (bx * by * xy + bx * bz * xz + by * bz * yz)
+    trace = xx + yy + zz - along / length
+    det = bx * bx * (yy * zz - yz * yz) + by * by * (xx * zz - xz * xz)
+    det += bz * bz * (xx * yy - xy * xy) + 2.0 * bx * by * (xz * yz - xy * zz)
+    det += 2.0 * bx * bz * (xy * yz - xz * yy) + 2.0 * by * bz * (xy * xz - xx * yz)
+    return bool(det / length >= (LEAST_SPREAD * width) ** 2 * trace and trace > 0.0)
 
 
 @njit(cache=True, nogil=True)

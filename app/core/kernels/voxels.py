@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from app.core.arrays import AnyArray
-from app.core.kernels.plane import SUMS, add_ball, store_plane
+from app.core.kernels.plane import SUMS, add_ball, covers_area, store_plane
 
 BITS = 21
 HALF = 1 << (BITS - 1)
@@ -93,7 +93,7 @@ def _advance(keys: AnyArray, v: int, runs: AnyArray) -> None:
 @njit(cache=True, nogil=True)
 def _grow_ball(
     x: AnyArray, y: AnyArray, z: AnyArray, start: AnyArray, runs: AnyArray, p: int,
-    widths: AnyArray, enough: int, sums: AnyArray,
+    scanner: AnyArray, widths: AnyArray, enough: int, sums: AnyArray,
 ) -> float:  # fmt: skip
     """Sum balls of rising width around p until one holds enough; the last width tried."""
     radius = 0.0
@@ -104,7 +104,7 @@ def _grow_ball(
                 x, y, z, start[runs[k, 0]], start[runs[k, 1]], 1,
                 x[p], y[p], z[p], radius * radius, sums,
             )  # fmt: skip
-        if sums[0] >= enough:
+        if sums[0] >= enough and covers_area(sums, x[p], y[p], z[p], scanner, radius):
             break
     return radius
 
@@ -131,8 +131,10 @@ def fit_in_voxels(
             s = slot[member[p]]
             if s < 0 or width[s] > 0.0:
                 continue
-            radius = _grow_ball(x, y, z, start, runs, p, widths, enough, sums)
-            if sums[0] >= enough or final:
+            radius = _grow_ball(x, y, z, start, runs, p, scanner, widths, enough, sums)
+            defined = covers_area(sums, x[p], y[p], z[p], scanner, radius)
+            if (sums[0] >= enough and defined) or final:
                 count[s] = int(sums[0])
                 width[s] = radius
-                rms[s] = store_plane(sums, x[p], y[p], z[p], scanner, normals[s])
+                if defined:
+                    rms[s] = store_plane(sums, x[p], y[p], z[p], scanner, normals[s])

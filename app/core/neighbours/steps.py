@@ -16,7 +16,11 @@ from app.core.errors import BadInput
 LINES = 48
 PAIRS = 64
 MOST_GAP = 4
+FAR = 8
 LARGEST_SPREAD = 2.5
+"""Upper over lower quartile of the angle between neighbouring cells."""
+LEAST_STRAIGHT = 0.4
+"""Eight cells must look about eight times as far apart as one: 1 on a grid, 1/8 by chance."""
 EMPTY_CELLS_PER_POINT = 64
 SEAM_COLUMNS = 3
 
@@ -157,27 +161,34 @@ def _sample(grid: ScanGrid, rows: Ints, columns: Ints) -> tuple[Ints, Ints]:
 def _measure_lines(xyz: Floats, scanner: Floats, lines: Ints) -> Floats:
     """Median angle between neighbouring cells of each line; NaN where there are no pairs."""
     medians = np.full(len(lines), np.nan)
-    spreads = []
+    spreads, straight = [], []
     for k, line in enumerate(lines):
-        angles = _pair_angles(xyz, scanner, line)
+        angles = _angles_per_cell(xyz, scanner, line, 1)
         if len(angles):
             low, medians[k], high = np.quantile(angles, [0.25, 0.5, 0.75])
             spreads.append(high / low if low > 0.0 else np.inf)
+            far = _angles_per_cell(xyz, scanner, line, FAR)
+            straight.append(np.median(far) / medians[k] if len(far) else 1.0)
     if not spreads:
         raise UnusableGrid("the grid has no neighbouring cells to measure its steps by")
-    if np.median(spreads) > LARGEST_SPREAD:
+    if np.median(spreads) > LARGEST_SPREAD or np.median(straight) < LEAST_STRAIGHT:
         raise UnusableGrid("rows and columns do not follow the beams from this position")
     return medians
 
 
-def _pair_angles(xyz: Floats, scanner: Floats, line: Ints) -> Floats:
-    """Angles per cell between successive points of a line, at most `PAIRS` of them."""
+def _angles_per_cell(xyz: Floats, scanner: Floats, line: Ints, apart: int) -> Floats:
+    """Angle per cell between points of a line that are `apart` filled cells apart.
+
+    At most about `PAIRS` of them, and none over gaps in the line.
+    """
     filled = np.flatnonzero(line >= 0)
-    gap = np.diff(filled)
-    near = np.flatnonzero(gap <= MOST_GAP)
+    if len(filled) <= apart:
+        return np.empty(0)
+    gap = filled[apart:] - filled[:-apart]
+    near = np.flatnonzero(gap <= MOST_GAP * apart)
     near = near[:: max(1, len(near) // PAIRS)]
     beams = xyz[line[filled[near]]] - scanner
-    others = xyz[line[filled[near + 1]]] - scanner
+    others = xyz[line[filled[near + apart]]] - scanner
     with np.errstate(invalid="ignore", over="ignore"):
         angles: Floats = angle_between(beams, others) / gap[near]
         usable: Bools = np.isfinite(angles) & beams.any(axis=1) & others.any(axis=1)

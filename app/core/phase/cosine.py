@@ -14,7 +14,7 @@ from app.core.units import to_degrees, to_radians
 
 # Of the largest value: a swing of this size is rounding and has no direction.
 NEGLIGIBLE = 1e-13
-CLEAR = 2.0
+CLEAR = 2.5
 
 
 class Cosine(PhaseModel):

@@ -50,8 +50,10 @@ class LambertBeckmann(PhaseModel):
 
     def coefficients(self, values: Mapping[str, float]) -> Floats:
         """U and v."""
-        f, k_d = values["f"], values["k_d"]
-        return np.array([f * k_d, f * (1 - k_d)]) if f != 0.0 else np.zeros(2)
+        f = values["f"]
+        if f == 0.0:
+            return np.zeros(2)
+        return np.array([f * values["k_d"], f * (1 - values["k_d"])])
 
     def coefficient_slopes(self, values: Mapping[str, float]) -> Floats:
         """d(u, v) / d(f, k_d)."""

@@ -175,6 +175,7 @@ class PhaseModel(ABC):
         values: Mapping[str, float],
         angle: Floats,
         noise: float,
+        fixed: Mapping[str, float],
     ) -> tuple[str, ...]:
         """Sentences that a user should read beside a fit.
 
@@ -185,6 +186,8 @@ class PhaseModel(ABC):
             The angles fitted.
         noise : float
             Standard deviation of the residuals.
+        fixed : mapping of str to float
+            Parameters that were not fitted.
         """
         return ()
 
@@ -196,7 +199,7 @@ class PhaseModel(ABC):
         return tuple(p for p in self.parameters if p.name != self.shape)
 
     def evaluate(self, angle: Floats, values: Mapping[str, float]) -> Floats:
-        """I(ω), of the shape of `angle`."""
+        """I(ω), of the shape of `angle`; an undetermined parameter may be NaN or missing."""
         return self._sum(self.basis, angle, values)
 
     def slope(self, angle: Floats, values: Mapping[str, float]) -> Floats:
@@ -205,7 +208,7 @@ class PhaseModel(ABC):
 
     def jacobian(self, angle: Floats, values: Mapping[str, float], names: Sequence[str]) -> Floats:
         """dI/dparameter for the parameters in `names`, (n, len(names))."""
-        shape = values.get(self.shape)
+        shape = values.get(self.shape, np.nan)
         columns = self.basis(angle, shape)
         slopes = self.coefficient_slopes(values)
         order = {p.name: i for i, p in enumerate(self.linear_parameters)}
@@ -248,7 +251,7 @@ class PhaseModel(ABC):
 
     def _sum(self, basis: Any, angle: Floats, values: Mapping[str, float]) -> Floats:
         angle = np.asarray(angle, dtype=np.float64)
-        columns = basis(angle, values.get(self.shape))
+        columns = basis(angle, values.get(self.shape, np.nan))
         return combine(self.coefficients(values), columns, angle)
 
 

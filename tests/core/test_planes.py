@@ -1,0 +1,71 @@
+"""Leaf planes: three regressions against numpy, and what must be refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.core.errors import BadInput
+from app.core.planes import leaf_plane, total_least_squares_plane
+
+
+def make_leaf(normal, noise=0.0, n=400, offset=(2.0, 0.3, 0.1), seed=0):
+    rng = np.random.default_rng(seed)
+    normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+    u, v = np.linalg.svd(normal[None])[2][1:]
+    flat = rng.uniform(-0.03, 0.03, (n, 2)) @ np.stack([u, v])
+    return flat + rng.normal(0, noise, n)[:, None] * normal + np.asarray(offset), normal
+
+
+@pytest.mark.parametrize("normal", [(-1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 2, 0.5)])
+@pytest.mark.parametrize("fit", [leaf_plane, total_least_squares_plane])
+def test_exact_plane(normal, fit):
+    xyz, truth = make_leaf(normal)
+    plane = fit(xyz, np.zeros(3))
+    assert abs(plane.normal @ truth) == pytest.approx(1.0, abs=1e-12)
+    assert plane.normal @ plane.point < 0
+    assert plane.rmse < 1e-12
+    assert plane.outlier_share == 0.0
+    beam = plane.point / np.linalg.norm(plane.point)
+    assert plane.incidence == pytest.approx(np.arccos(abs(beam @ truth)), abs=1e-9)
+
+
+def test_smallest_regression_wins():
+    xyz, _ = make_leaf((-1, 0.4, 0.3), noise=0.001)
+    rmse = {}
+    for axis, name in ((2, "z on x,y"), (1, "y on x,z"), (0, "x on y,z")):
+        design = np.column_stack([np.delete(xyz, axis, axis=1), np.ones(len(xyz))])
+        solution = np.linalg.lstsq(design, xyz[:, axis], rcond=None)[0]
+        rmse[name] = np.sqrt(np.mean((xyz[:, axis] - design @ solution) ** 2))
+    best = min(rmse, key=rmse.get)
+    plane = leaf_plane(xyz, None)
+    assert plane.method == f"LSR {best}"
+    assert plane.rmse == pytest.approx(rmse[best], rel=1e-9)
+    assert np.isnan(plane.incidence)
+
+
+def test_bent_leaf_is_kept_with_a_warning():
+    xyz, _ = make_leaf((0, 0, 1))
+    xyz[:, 2] += 15.0 * (xyz[:, 0] - 2.0) ** 2
+    plane = leaf_plane(xyz, np.zeros(3), d_l=0.002)
+    assert plane.outlier_share > 0.05
+    assert "farther than 0.002 m" in plane.warning
+
+
+def test_missing_rows_and_large_offsets_change_nothing():
+    xyz, _ = make_leaf((-1, 0.4, 0.3), noise=0.0005)
+    with_gap = np.insert(xyz, 5, np.nan, axis=0)
+    shift = np.array([4e5, 5.6e6, 100.0])
+    a, b = leaf_plane(xyz, np.zeros(3)), leaf_plane(with_gap + shift, shift)
+    assert b.normal == pytest.approx(a.normal, abs=1e-7)
+    assert b.incidence == pytest.approx(a.incidence, abs=1e-7)
+
+
+@pytest.mark.parametrize("fit", [leaf_plane, total_least_squares_plane])
+def test_points_without_a_plane_are_refused(fit):
+    line = np.outer(np.linspace(0, 1, 30), [1.0, 2.0, 3.0]) + 1e6
+    for xyz, text in ((line, "one line"), (line[:2], "three points"), (line * np.nan, "0 of")):
+        with pytest.raises(BadInput, match=text):
+            fit(xyz, None)
+    with pytest.raises(BadInput, match="one line"):
+        fit(np.repeat(line[:1], 9, axis=0), None)

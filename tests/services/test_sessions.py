@@ -1,0 +1,124 @@
+"""Sessions: saved, reopened, replayed to the same numbers."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.core.errors import BadInput
+from app.model.project import Project
+from app.model.scan import Scan
+from app.model.view_state import ViewState
+from app.services.cleaning import correct_ghosts, mark_ghosts
+from app.services.curves import fit_leaves, use_fit
+from app.services.export import export, gather
+from app.services.leaves import leaves_from_labels, measure_leaves
+from app.services.opening import Opening, add_scans, open_file
+from app.services.sessions import open_session, replay, save_session
+
+KEY = "scan-00001"
+VIEW = ViewState(current=KEY, colour="delta_omega")
+
+
+@pytest.fixture
+def worked(leaves_file: Path, tmp_path: Path) -> tuple[Project, Path]:
+    """A project in which the main job was done, and the file that it came from."""
+    source = tmp_path / "data" / "leaves.laz"
+    source.parent.mkdir()
+    for file in leaves_file.parent.iterdir():
+        shutil.copy(file, source.parent / file.name)
+    project, _ = open_file(Opening(source))
+    keys = leaves_from_labels(project, KEY, "truth_leaf")
+    use_fit(project, fit_leaves(project, KEY, keys[:2], "lambert-beckmann"))
+    fit_leaves(project, KEY, (), "cosine")
+    mark_ghosts(project, KEY)
+    correct_ghosts(project, KEY)
+    return project, source
+
+
+def test_replay_gives_the_same_numbers_bit_for_bit(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    project, _ = worked
+    session, out = tmp_path / "s.leafscope", tmp_path / "replayed"
+    save_session(project, VIEW, session)
+    report = replay(session, out)
+    assert [fit["same"] for fit in report["fits"]] == [True, True]
+
+    export(gather(project, KEY, ["delta_omega"]), tmp_path / "window.npz")
+    with (
+        np.load(tmp_path / "window.npz") as window,
+        np.load(out / report["scans"][0]["file"]) as headless,
+    ):
+        assert set(window.files) == set(headless.files)
+        for name in set(window.files) - {"provenance"}:
+            assert window[name].tobytes() == headless[name].tobytes(), name
+        assert np.isfinite(headless["delta_omega"]).any()
+
+    with (out / report["scans"][0]["table"]).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    expected = measure_leaves(project, KEY)
+    assert len(rows) == len(expected)
+    for row, leaf in zip(rows, expected, strict=True):
+        assert float(row["incidence_plane_deg"]) == leaf["incidence_plane_deg"]
+        assert float(row["ndi_of_means"]) == leaf["ndi_of_means"]
+    assert json.loads((out / "report.json").read_text())["scans"] == report["scans"]
+
+
+def test_undo_works_after_saving_and_reopening(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    project, _ = worked
+    project.undo()
+    save_session(project, VIEW, tmp_path / "s.leafscope")
+    again, view = open_session(tmp_path / "s.leafscope")
+    assert view == VIEW
+    assert not again.modified
+    assert [s.title for s in again.history.done] == [s.title for s in project.history.done]
+    again.redo()
+    project.redo()
+    np.testing.assert_array_equal(
+        again.state.scan(KEY).scan.xyz, project.state.scan(KEY).scan.xyz
+    )
+    while again.history.done:
+        again.undo()
+    assert not again.state.scans
+
+
+def test_a_moved_source_is_found_beside_the_session(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    project, source = worked
+    session = tmp_path / "elsewhere" / "s.leafscope"
+    session.parent.mkdir()
+    save_session(project, VIEW, session)
+    with pytest.raises(BadInput, match="not there") as refused:
+        source.rename(tmp_path / "lost.laz")
+        open_session(session)
+    assert "leaves.laz back" in str(refused.value)
+    shutil.move(tmp_path / "lost.laz", session.parent / "leaves.laz")
+    shutil.move(f"{source}.leafscope.json", session.parent)
+    assert open_session(session)[0].state.scans.keys() == {KEY}
+
+
+def test_a_changed_source_is_refused(worked: tuple[Project, Path], tmp_path: Path) -> None:
+    project, source = worked
+    save_session(project, VIEW, tmp_path / "s.leafscope")
+    broken = bytearray(source.read_bytes())
+    broken[90] ^= 1  # a letter of the name of the program that wrote it
+    source.write_bytes(broken)
+    with pytest.raises(BadInput, match="content has changed"):
+        open_session(tmp_path / "s.leafscope")
+
+
+def test_a_scan_from_no_file_cannot_be_saved(leaves: Scan, tmp_path: Path) -> None:
+    project = Project()
+    add_scans(project, [leaves])
+    with pytest.raises(BadInput, match="came from no file"):
+        save_session(project, VIEW, tmp_path / "s.leafscope")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,41 @@
+"""Fits that a document holds, found by what they belong to or by their numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from app.core.fitting import FitResult
+from app.model.leaf import FitRecord
+from app.model.parameters import Curve
+from app.model.state import State
+from widgets.common.curve_choice import Target
+
+
+def find_newest(state: State, target: Target) -> FitRecord | None:
+    """The newest fit of a target; None when it was never fitted."""
+    found = [
+        record
+        for record in state.fits.values()
+        if Target(record.scan, record.leaves, record.channel, record.model) == target
+    ]
+    return found[-1] if found else None
+
+
+def find_source(state: State, scan: str, curve: Curve) -> FitResult | None:
+    """The fit that a curve comes from; None for one that was set by hand."""
+    for record in reversed(state.fits.values()):
+        if (record.scan, record.model, record.channel) != (scan, curve.model, curve.channel):
+            continue
+        result = FitResult.from_dict(record.result)
+        if have_same_values(result.values, curve.values):
+            return result
+    return None
+
+
+def have_same_values(first: Mapping[str, float], second: Mapping[str, float]) -> bool:
+    """Whether two sets of parameters are the same; an undetermined one equals another."""
+    return first.keys() == second.keys() and all(
+        value == second[name] or (math.isnan(value) and math.isnan(second[name]))
+        for name, value in first.items()
+    )

@@ -1,0 +1,1 @@
+"""Dialogs: opened, never executed; each says what it will do before it does it."""

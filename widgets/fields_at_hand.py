@@ -1,0 +1,71 @@
+"""Which fields the current scan can be coloured by, in groups, and why some cannot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.core.errors import MissingChannel
+from app.core.indices import NAMED, match_channels
+from app.model.fields import FieldSpec
+from app.model.project import Project
+from app.model.state import ScanState
+
+JUDGED = ("incidence_from_intensity", "delta_omega", "ghost_score", "ghost", "leaf")
+GEOMETRY = ("range", "incidence")
+GROUPS = ("Channels", "Indices", "Geometry", "Leaves & ghosts", "Other")
+
+
+@dataclass(frozen=True, slots=True)
+class FieldAtHand:
+    """A field of a scan: `missing` is a sentence when it cannot be had now, else empty."""
+
+    name: str
+    title: str
+    unit: str
+    group: str
+    missing: str = ""
+
+
+def list_fields(project: Project, scan: str) -> list[FieldAtHand]:
+    """All fields of a scan, group by group; computes nothing."""
+    state = project.state.scan(scan)
+    found = [
+        FieldAtHand(
+            spec.name, spec.title, spec.unit, group_of(spec, state), why_not(project, scan, name)
+        )
+        for name, spec in project.catalogue(scan).items()
+    ]
+    return sorted(found, key=lambda field: GROUPS.index(field.group))
+
+
+def group_of(spec: FieldSpec, state: ScanState) -> str:
+    """The group that a field belongs to."""
+    if any(channel.name == spec.name for channel in state.scan.channels):
+        return "Channels"
+    if spec.name in NAMED or any(f.name == spec.name for f in state.parameters.formulas):
+        return "Indices"
+    if spec.name in GEOMETRY:
+        return "Geometry"
+    return "Leaves & ghosts" if spec.name in JUDGED else "Other"
+
+
+def why_not(project: Project, scan: str, field: str) -> str:
+    """What a field lacks, as a sentence; empty when it can be computed."""
+    state, spec = project.state.scan(scan), project.catalogue(scan)[field]
+    if "pose" in spec.needs and state.scan.pose is None:
+        return "The scanner's position is unknown: set it in the Scan menu."
+    if "curve" in spec.parameters:
+        if not state.scan.channels:
+            return "The scan has no intensity."
+        if state.parameters.curve is None:
+            return "No angular curve is in use: fit one in the phase lab."
+    if "leaves" in spec.needs and not project.state.leaves_of(scan):
+        return "There is no leaf yet: draw around one with the lasso."
+    if spec.name in NAMED:
+        try:
+            wavelengths = {c.name: c.wavelength_nm for c in state.scan.channels}
+            match_channels(NAMED[spec.name], wavelengths)
+        except MissingChannel as error:
+            return error.what
+    reasons = (why_not(project, scan, name) for name in spec.inputs)
+    return next((reason for reason in reasons if reason), "")

@@ -1,0 +1,84 @@
+"""What the Edit and Scan menus do to points and scans."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QWidget
+
+from app.model.operations import Select, SetDeleted
+from app.model.points import PointSet
+from app.model.scan import Pose
+from app.model.selection import Complement, Explicit
+from widgets.controller import Controller
+from widgets.dialogs.channel import ChannelDialog
+from widgets.dialogs.origin import OriginDialog
+from widgets.documents import Documents
+from widgets.leaf_work import LeafWork
+from widgets.tools import Tools
+
+
+class ScanDeeds(QObject):
+    """Selection, deletion, leaves, and what a scan has to be told."""
+
+    def __init__(
+        self,
+        window: QWidget,
+        controller: Controller,
+        documents: Documents,
+        work: LeafWork,
+        tools: Tools,
+    ) -> None:
+        super().__init__(window)
+        self._window, self._controller, self._documents = window, controller, documents
+        self._work, self._tools = work, tools
+
+    def invert_selection(self) -> None:
+        """Select what is not selected."""
+        key, state = self._controller.current, self._controller.scan
+        if key is not None and state is not None:
+            rest = PointSet.from_mask(state.alive & ~state.selection.mask(len(state.scan)))
+            self._controller.do(Select(key, rest, Complement(Explicit(state.selection))))
+
+    def clear_selection(self) -> None:
+        """Select nothing."""
+        self._work.clear_selection()
+
+    def delete_selection(self) -> None:
+        """Delete the selected points, and let go of them."""
+        key, state = self._controller.current, self._controller.scan
+        if key is not None and state is not None and len(state.selection):
+            points = state.selection
+            self._work.apply(key, points, Explicit(points), "delete")
+
+    def bring_back(self) -> None:
+        """Bring all deleted points back."""
+        key, state = self._controller.current, self._controller.scan
+        if key is not None and state is not None:
+            self._controller.do(SetDeleted(key, PointSet.from_mask(state.deleted), False))
+
+    def make_leaf(self) -> None:
+        """Make a leaf of the selection."""
+        key, state = self._controller.current, self._controller.scan
+        if key is not None and state is not None and len(state.selection):
+            self._work.make_leaf(key, state.selection, Explicit(state.selection))
+
+    def next_leaf(self) -> None:
+        """Begin a fresh leaf: the next lasso makes one."""
+        self._controller.look(leaf=None)
+        self._tools.use_lasso_to("leaf")
+        self._controller.said.emit(self.tr("Draw around the next leaf; Shift adds to it."))
+
+    def find_leaves(self) -> None:
+        """Segment the scan into leaves."""
+        self._work.find_all()
+
+    def set_origin(self, proposed: Pose | None = None) -> None:
+        """Ask where the scanner stood."""
+        if self._controller.current is not None:
+            dialog = OriginDialog(self._controller, self._documents, proposed, self._window)
+            dialog.open()
+
+    def name_channel(self) -> None:
+        """Ask which attribute is an intensity, at which wavelength."""
+        if self._controller.current is not None:
+            ChannelDialog(self._controller, self._window).open()
