@@ -108,7 +108,8 @@ class Documents(QObject):
 
     def set_origin(self, scan: str, position: Vector | None) -> None:
         """Say where the scanner stood; None means unknown."""
-        pose = None if position is None else given_pose(position)
+        state = self._controller.project.state.scan(scan)
+        pose = None if position is None else given_pose(position, state.scan)
         self._controller.do(SetPose(scan, pose))
 
     def accept_pose(self, scan: str, pose: Pose) -> None:

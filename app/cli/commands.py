@@ -39,6 +39,8 @@ class Reading:
     "Text files: names of the columns, x,y,z,intensity; - skips one."
     separator: str | None = None
     "Text files: what stands between columns."
+    header_lines: int | None = None
+    "Text files: lines to skip before the points."
     every_nth: int = 1
     "Read each n-th point only."
     recover: bool = False
@@ -59,6 +61,7 @@ def opening(file: Path, reading: Reading) -> Opening:
         every_nth=reading.every_nth,
         recover=reading.recover,
         separator=reading.separator,
+        header_lines=reading.header_lines,
         columns=tuple(reading.columns.split(",")) if reading.columns else None,
         metres_per_unit=reading.unit,
     )

@@ -190,9 +190,7 @@ def correct_ghosts(
     scanner = np.array(scanner, dtype=np.float64)
     ghosts = np.array(ghosts, dtype=np.int64)
     each_once(ghosts, len(xyz))
-    with np.errstate(invalid="ignore", over="ignore"):
-        square = ((xyz - scanner) ** 2).sum(axis=1)
-    full: Bools = np.isfinite(square) & (square > 0.0)
+    full = _has_range(xyz, scanner)
     seen = full[ghosts]
     full[ghosts] = False
     look = _Surroundings(xyz, scanner, ghosts[seen], full, grid, radius)
@@ -207,12 +205,25 @@ def correct_ghosts(
         )
 
     run_in_pieces(work, split_evenly(len(places), CHUNK // 4), progress, "ghost correction")
-    corrected: Bools = np.isfinite(ranges)
-    moved = xyz[ghosts]
-    beams = moved[corrected] - scanner
-    factor = ranges[corrected] / np.linalg.norm(beams, axis=1)
-    moved[corrected] = scanner + beams * factor[:, None]
-    return moved, corrected
+    return _move_along_beams(xyz[ghosts], scanner, ranges), np.isfinite(ranges)
+
+
+def _has_range(xyz: Floats, scanner: Floats) -> Bools:
+    """Points with a finite range above zero, (n,)."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        square = ((xyz - scanner) ** 2).sum(axis=1)
+    usable: Bools = np.isfinite(square) & (square > 0.0)
+    return usable
+
+
+def _move_along_beams(points: Floats, scanner: Floats, ranges: Floats) -> Floats:
+    """The points at new ranges; those whose range is NaN stay."""
+    moved = points.copy()
+    known = np.isfinite(ranges)
+    beams = points[known] - scanner
+    factor = ranges[known] / np.linalg.norm(beams, axis=1)
+    moved[known] = scanner + beams * factor[:, None]
+    return moved
 
 
 @cache

@@ -187,6 +187,8 @@ class _Fit:
             if not len(left):
                 break
             widths = self.widths[factors]
+            part = progress.part(level / len(LEVELS), (level + 1) / len(LEVELS))
+            part.report(0.0, "neighbours")
             begun = perf_counter()
             cropped = self.asked is not None or level > 0
             reach = float(widths[-1])
@@ -194,7 +196,6 @@ class _Fit:
             index = sort_voxels(self.xyz, kept, reach)
             self.seconds["neighbours"] += perf_counter() - begun
             begun = perf_counter()
-            part = progress.part(level / len(LEVELS), (level + 1) / len(LEVELS))
             self._fit_in_voxels(index, slot, widths, level == len(LEVELS) - 1, part)
             left = numbers[self.width[slot[numbers]] == 0.0]
             self.seconds["planes"] += perf_counter() - begun

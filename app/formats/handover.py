@@ -14,6 +14,7 @@ from app.core.progress import QUIET, Progress
 from app.model.scan import Channel, Grid, Pose, Scan
 
 _INDEX = "scans.json"
+_BLOCK = 1 << 24  # bytes that are copied between two looks at cancel
 
 
 def save_scans(scans: list[Scan], folder: Path) -> None:
@@ -27,7 +28,8 @@ def load_scans(folder: Path, progress: Progress = QUIET) -> list[Scan]:
     entries = json.loads((folder / _INDEX).read_text(encoding="utf-8"))
     scans = []
     for i, entry in enumerate(entries):
-        scans.append(_load_scan(entry, folder, progress.part(i / len(entries), 1.0)))
+        part = progress.part(i / len(entries), (i + 1) / len(entries))
+        scans.append(_load_scan(entry, folder, part))
     return scans
 
 
@@ -55,18 +57,17 @@ def _save_grid(grid: Grid, folder: Path, prefix: str) -> dict[str, Any]:
 
 
 def _load_scan(entry: dict[str, Any], folder: Path, progress: Progress) -> Scan:
-    attributes = {}
-    files = entry["attributes"]
-    for i, (name, file) in enumerate(files.items()):
-        progress.report(i / len(files), "Taking over the points")
-        attributes[name] = _load(folder, file)
+    xyz = _load(folder, entry["xyz"], progress)
+    attributes = {
+        name: _load(folder, file, progress) for name, file in entry["attributes"].items()
+    }
     return Scan(
         name=entry["name"],
-        xyz=_load(folder, entry["xyz"]),
+        xyz=xyz,
         attributes=attributes,
         channels=tuple(Channel(**channel) for channel in entry["channels"]),
         pose=_load_pose(entry["pose"]),
-        grid=_load_grid(entry["grid"], folder),
+        grid=_load_grid(entry["grid"], folder, progress),
         metadata=entry["metadata"],
         warnings=tuple(entry["warnings"]),
     )
@@ -79,11 +80,12 @@ def _load_pose(entry: dict[str, Any] | None) -> Pose | None:
     return Pose(tuple(entry["position"]), (x, y, z), entry["known_by"])
 
 
-def _load_grid(entry: dict[str, Any] | None, folder: Path) -> Grid | None:
+def _load_grid(entry: dict[str, Any] | None, folder: Path, progress: Progress) -> Grid | None:
     if entry is None:
         return None
     row, column, no_return = (
-        _load(folder, f"{entry['prefix']}-{part}") for part in ("row", "column", "no_return")
+        _load(folder, f"{entry['prefix']}-{part}", progress)
+        for part in ("row", "column", "no_return")
     )
     return Grid(entry["rows"], entry["columns"], row, column, no_return)
 
@@ -92,6 +94,12 @@ def _save(folder: Path, name: str, values: AnyArray) -> None:
     np.save(folder / f"{name}.npy", values, allow_pickle=False)
 
 
-def _load(folder: Path, name: str) -> AnyArray:
-    values: AnyArray = np.load(folder / f"{name}.npy", allow_pickle=False)
+def _load(folder: Path, name: str, progress: Progress) -> AnyArray:
+    """A copy in memory, made in blocks, so that cancel is quick."""
+    mapped: AnyArray = np.load(folder / f"{name}.npy", mmap_mode="r", allow_pickle=False)
+    values = np.empty(mapped.shape, mapped.dtype)
+    rows = max(1, _BLOCK * len(mapped) // max(mapped.nbytes, 1))
+    for start in range(0, len(mapped), rows):
+        progress.report(0.0, "Taking over the points")
+        values[start : start + rows] = mapped[start : start + rows]
     return values

@@ -41,7 +41,11 @@ def add_scans(project: Project, scans: Sequence[Scan], origin: Vector | None = N
         key = project.shelve(scan)
         keys.append(key)
         steps.append(AddScan(key, scan.name, scan.source))
-    poses: list[AnyOperation] = [SetPose(key, given_pose(origin)) for key in keys if origin]
+    poses: list[AnyOperation] = [
+        SetPose(key, given_pose(origin, scan))
+        for key, scan in zip(keys, scans, strict=True)
+        if origin is not None
+    ]
     if len(keys) == 1 and not poses:
         project.do(steps[0])
     else:
@@ -116,8 +120,15 @@ def _parse_channel(scan: Scan, text: str) -> Channel:
     return Channel(name, name, nm, KINDS[kind or "DN"])
 
 
-def given_pose(position: Vector) -> Pose:
-    """The pose of a scanner whose position the user gave."""
+def given_pose(position: Vector, scan: Scan) -> Pose:
+    """The pose of a scanner whose position the user gave.
+
+    Where the position is the one that the scan's own grid speaks for, it stays known as
+    assumed: the user accepted it, nobody measured it.
+    """
+    proposed = propose_pose(scan)
+    if proposed is not None and np.allclose(proposed.position, position, rtol=0, atol=1e-3):
+        return proposed
     return Pose(position, known_by="given")
 
 

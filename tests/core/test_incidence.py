@@ -133,7 +133,10 @@ def test_turning_and_moving_everything_changes_no_angle(seed, offset, on_grid):
     assert same.mean() > 0.9
     a = incidence_angle(xyz, before.normals, ORIGIN)
     b = incidence_angle(moved, after.normals, scanner)
-    assert np.rad2deg(np.abs(a - b)[same]).max() < 1e-6
+    change = np.rad2deg(np.abs(a - b)[same])
+    # At 10⁶ m a coordinate is rounded by 10⁻¹⁰ m, which alone turns a 4 mm plane by 10⁻⁶ °.
+    assert np.median(change) < 1e-6
+    assert change.max() < (1e-5 if offset == 1e6 else 1e-6)
 
 
 @pytest.mark.parametrize("on_grid", [True, False])

@@ -41,7 +41,7 @@ def test_round_trip(
         np.testing.assert_array_equal(got, values)
     else:  # no text file can hold the name, and with it goes the type
         assert name == "-" or not name.isprintable()
-        np.testing.assert_allclose(got, values.astype(np.float64), rtol=1e-6)
+        np.testing.assert_allclose(got, values.astype(np.float64), rtol=1e-6, atol=1e-44)
 
 
 @pytest.mark.parametrize("name", ["=1+1", "+a", "-a", "@a", "a,b", "Reflectance (dB)", "x"])

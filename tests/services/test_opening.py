@@ -13,6 +13,7 @@ from app.model.scan import Scan
 from app.services.opening import (
     Opening,
     add_scans,
+    given_pose,
     name_channels,
     open_file,
     parse_origin,
@@ -61,6 +62,8 @@ def test_a_position_is_proposed_only_where_the_grid_speaks_for_it(leaves: Scan) 
     proposed = propose_pose(centred)
     assert proposed.position == (0.0, 0.0, 0.0)
     assert proposed.known_by == "assumed"
+    assert given_pose((0.0, 0.0, 0.0), centred) == proposed
+    assert given_pose((0.0, 0.0, 0.5), centred).known_by == "given"
     assert propose_pose(replace(leaves, pose=None)) is None
     assert propose_pose(leaves) is None
     assert propose_pose(replace(centred, grid=None)) is None

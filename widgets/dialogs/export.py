@@ -94,7 +94,7 @@ class ExportDialog(QDialog):
         """Ask for the file; its dialog asks about one that exists."""
         stem = Path(self._state.scan.name).stem
         suggested = self._dialogs.folder / f"{stem}-{self.portion()}{self.suffix()}"
-        self._dialogs.ask_save(suggested, self._write)
+        self._dialogs.ask_save(suggested, self._write, self)
 
     def _write(self, path: Path) -> None:
         source = self._state.scan.source

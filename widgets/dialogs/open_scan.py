@@ -42,10 +42,12 @@ class FileDialogs(QObject):
         dialog.filesSelected.connect(take)
         dialog.open()
 
-    def ask_save(self, suggested: Path, then: Callable[[Path], object]) -> None:
+    def ask_save(
+        self, suggested: Path, then: Callable[[Path], object], parent: QWidget | None = None
+    ) -> None:
         """Ask where to save; the dialog asks about an existing file."""
         suffix = suggested.suffix
-        dialog = self._dialog(self.tr("Save"), [f"{suffix[1:]} (*{suffix})"])
+        dialog = self._dialog(self.tr("Save"), [f"{suffix[1:].upper()} (*{suffix})"], parent)
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         dialog.setFileMode(Mode.AnyFile)
         dialog.setDefaultSuffix(suffix[1:])
@@ -58,8 +60,10 @@ class FileDialogs(QObject):
         dialog.fileSelected.connect(take)
         dialog.open()
 
-    def _dialog(self, title: str, filters: list[str]) -> QFileDialog:
-        dialog = QFileDialog(self._window, title, str(self.folder))
+    def _dialog(
+        self, title: str, filters: list[str], parent: QWidget | None = None
+    ) -> QFileDialog:
+        dialog = QFileDialog(parent or self._window, title, str(self.folder))
         dialog.setObjectName("files")
         dialog.setNameFilters(filters)
         dialog.finished.connect(dialog.deleteLater)

@@ -1,0 +1,94 @@
+"""Pick: the values of the point that was clicked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QGuiApplication, QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHeaderView,
+    QPushButton,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from widgets.common.notice import Notice
+from widgets.common.panel import Panel
+from widgets.controller import Controller
+from widgets.documents import Documents
+from widgets.leaf_work import LeafWork
+
+
+class PickPanel(Panel):
+    """Shows what is known of one point; copies it as a table."""
+
+    def __init__(
+        self,
+        controller: Controller,
+        work: LeafWork,
+        documents: Documents,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(controller, work, documents, parent)
+        self.setObjectName("pick")
+        self.setWindowTitle(self.tr("Point"))
+        self._values: list[tuple[str, str, str]] = []
+        self.notice = Notice(self)
+        self.table = QTableWidget(0, 3, self)
+        self.table.setAccessibleName(self.tr("Values of the picked point"))
+        self.table.setHorizontalHeaderLabels([self.tr("Name"), self.tr("Value"), self.tr("Unit")])
+        self.table.verticalHeader().hide()
+        self.table.setShowGrid(False)
+        self.table.setAlternatingRowColors(True)
+        self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        header = self.table.horizontalHeader()
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.copy_button = QPushButton(self.tr("&Copy as table"), self)
+        self.copy_button.setToolTip(self.tr("Names, values and units, separated by tabs"))
+        self.copy_button.clicked.connect(self.copy)
+        keys = QShortcut(QKeySequence.StandardKey.Copy, self.table)
+        keys.setContext(Qt.ShortcutContext.WidgetShortcut)
+        keys.activated.connect(self.copy)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.notice)
+        layout.addWidget(self.table, 1)
+        layout.addWidget(self.copy_button, 0, Qt.AlignmentFlag.AlignLeft)
+
+    def set_values(self, values: Sequence[tuple[str, str | float | int, str]]) -> None:
+        """Show names, values and units; an empty sequence clears the panel."""
+        self._values = [(name, _write(value), unit) for name, value, unit in values]
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show the values, or how to get some."""
+        empty = not self._values
+        self.notice.say(
+            self.tr("Click a point in the picture to see all that is known of it.") if empty else ""
+        )
+        self.table.setVisible(not empty)
+        self.copy_button.setVisible(not empty)
+        self.table.setRowCount(len(self._values))
+        for row, texts in enumerate(self._values):
+            for column, text in enumerate(texts):
+                item = QTableWidgetItem(text)
+                if column == 1:
+                    item.setTextAlignment(
+                        Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+                    )
+                self.table.setItem(row, column, item)
+
+    def copy(self) -> None:
+        """Put the table on the clipboard, a line per value, separated by tabs."""
+        lines = ["\t".join(texts) for texts in self._values]
+        QGuiApplication.clipboard().setText("\n".join(lines))
+        self.controller.said.emit(self.tr("The point's values are on the clipboard."))
+
+
+def _write(value: str | float | int) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
