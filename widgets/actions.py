@@ -18,7 +18,7 @@ Bar = Literal["", "file", "history", "tool", "purpose", "reach", "look"]
 Test = Callable[[Desk], bool]
 
 
-def always(desk: Desk) -> bool:
+def always(_: Desk) -> bool:
     """For actions that can be had at any time."""
     return True
 

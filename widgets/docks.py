@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from PySide6.QtCore import QObject, QSize, Qt
+from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QScrollArea, QTabWidget, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabWidget, QWidget
 
 from widgets.controller import Controller
 from widgets.documents import Documents
@@ -36,11 +36,6 @@ PLACES = (
     Place("wrinkles", "Δω", "right", "Wrinkles: angle from intensity less the leaf's angle"),
     Place("ghosts", "Ghosts", "right", "Find mixed pixels; mark, delete or correct them"),
 )
-SIDES = {
-    "top left": Qt.DockWidgetArea.LeftDockWidgetArea,
-    "bottom left": Qt.DockWidgetArea.LeftDockWidgetArea,
-    "right": Qt.DockWidgetArea.RightDockWidgetArea,
-}
 
 
 class Docks(QObject):
@@ -58,14 +53,15 @@ class Docks(QObject):
             window.setTabPosition(side, QTabWidget.TabPosition.North)
         window.setCorner(Qt.Corner.BottomLeftCorner, left)
         window.setCorner(Qt.Corner.BottomRightCorner, right)
+        self._later = QTimer(self, singleShot=True, interval=0)
+        self._later.timeout.connect(self._dress)
         self._arrange()
 
     def fill(self, controller: Controller, work: LeafWork, documents: Documents) -> None:
         """Make the panels and put them in."""
         for name, panel in make_panels(controller, work, documents).items():
-            scroll = ScrollableTall(panel, self.docks[name])
             self.panels[name] = panel
-            self.docks[name].setWidget(scroll)
+            self.docks[name].setWidget(panel)
 
     def toggles(self) -> list[QAction]:
         """Actions that show and hide the panels."""
@@ -89,44 +85,52 @@ class Docks(QObject):
         self._window.resizeDocks(column, [2, 3], Qt.Orientation.Vertical)
 
     def _arrange(self) -> None:
-        first: dict[str, QDockWidget] = {}
+        first: dict[Area, QDockWidget] = {}
+        rest: list[Place] = []
         for place in PLACES:
-            dock = self.docks[place.id] = QDockWidget(self.tr(place.title), self._window)
-            dock.setObjectName(f"dock-{place.id}")
-            dock.toggleViewAction().setToolTip(self.tr(place.tip))
-            if place.area in first:
-                self._window.tabifyDockWidget(first[place.area], dock)
-            elif place.area == "bottom left":
-                top = first["top left"]
-                self._window.splitDockWidget(top, dock, Qt.Orientation.Vertical)
+            self.docks[place.id] = dock = self._make(place)
+            if place.area not in first:
                 first[place.area] = dock
             else:
-                self._window.addDockWidget(SIDES[place.area], dock)
-                first[place.area] = dock
+                rest.append(place)
+        left, right = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
+        self._window.addDockWidget(left, first["top left"])
+        self._window.addDockWidget(right, first["right"])
+        # Split before tabs are made: a dock that is a tab already is not split but joined.
+        vertical = Qt.Orientation.Vertical
+        self._window.splitDockWidget(first["top left"], first["bottom left"], vertical)
+        for place in rest:
+            last = next(
+                p.id for p in reversed(PLACES[: PLACES.index(place)]) if p.area == place.area
+            )
+            self._window.tabifyDockWidget(self.docks[last], self.docks[place.id])
         for dock in first.values():
             dock.raise_()
 
+    def _make(self, place: Place) -> QDockWidget:
+        dock = QDockWidget(self.tr(place.title), self._window)
+        dock.setObjectName(f"dock-{place.id}")
+        dock.toggleViewAction().setToolTip(self.tr(place.tip))
+        for signal in (dock.visibilityChanged, dock.topLevelChanged, dock.dockLocationChanged):
+            signal.connect(self._dress_soon)
+        return dock
 
-class ScrollableTall(QScrollArea):
-    """A panel that scrolls up and down on a low screen instead of being squeezed."""
+    def _dress_soon(self, *_: object) -> None:
+        self._later.start()
 
-    def __init__(self, panel: QWidget, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setFrameShape(QScrollArea.Shape.NoFrame)
-        self.setWidgetResizable(True)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setWidget(panel)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """As wide as the panel needs, however low."""
-        em = self.fontMetrics().height()
-        bar = self.verticalScrollBar().sizeHint().width()
-        return QSize(self.widget().minimumSizeHint().width() + bar, 6 * em)
+    def _dress(self) -> None:
+        """Take the title off docks whose tab says it already."""
+        for dock in self.docks.values():
+            tab = bool(self._window.tabifiedDockWidgets(dock)) and not dock.isFloating()
+            if tab and dock.titleBarWidget() is None:
+                dock.setTitleBarWidget(QWidget(dock))
+            elif not tab and dock.titleBarWidget() is not None:
+                bare = dock.titleBarWidget()
+                dock.setTitleBarWidget(None)  # type: ignore[arg-type]
+                bare.deleteLater()
 
 
-def make_panels(
-    controller: Controller, work: LeafWork, documents: Documents
-) -> dict[str, QWidget]:
+def make_panels(controller: Controller, work: LeafWork, documents: Documents) -> dict[str, QWidget]:
     """Make every panel; their libraries are loaded here, not when the window opens."""
     from widgets.panels.ghosts import GhostsPanel
     from widgets.panels.history import HistoryPanel

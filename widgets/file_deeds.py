@@ -16,6 +16,7 @@ from widgets.controller import Controller
 from widgets.dialogs.export import ExportDialog
 from widgets.dialogs.open_scan import FileDialogs
 from widgets.documents import Documents
+from widgets.picture import Picture
 
 DEMO_COLOUR = "reflectance_1063"
 Button = QMessageBox.StandardButton
@@ -24,9 +25,12 @@ Button = QMessageBox.StandardButton
 class FileDeeds(QObject):
     """Opens, saves, exports and closes; every dialog is open, none blocks."""
 
-    def __init__(self, window: QWidget, controller: Controller, documents: Documents) -> None:
+    def __init__(
+        self, window: QWidget, controller: Controller, documents: Documents, picture: Picture
+    ) -> None:
         super().__init__(window)
         self._window, self._controller, self._documents = window, controller, documents
+        self._picture = picture
         self.dialogs = FileDialogs(window)
 
     def new(self) -> None:
@@ -64,13 +68,13 @@ class FileDeeds(QObject):
 
     def save_as(self) -> None:
         """Ask for a name and save there."""
-        self.dialogs.ask_save(self._suggest(SUFFIX), self._documents.save)
+        self.dialogs.ask_save(self._suggest(SUFFIX), self._save)
 
     def save_then(self, then: Callable[[], object]) -> None:
         """Save, and go on only when it is on the disk."""
 
         def save(path: Path) -> None:
-            if self._documents.save(path):
+            if self._save(path):
                 then()
 
         if self._documents.path is not None:
@@ -120,6 +124,10 @@ class FileDeeds(QObject):
 
         box.finished.connect(decide)
         box.open()
+
+    def _save(self, path: Path) -> bool:
+        self._picture.keep_camera()
+        return self._documents.save(path)
 
     def _suggest(self, suffix: str) -> Path:
         scan = self._controller.scan

@@ -2,30 +2,37 @@
 
 from __future__ import annotations
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.core.progress import Progress
 from app.core.screen import View, pick, project
+from app.model.project import Project
 from widgets.controller import Controller
+from widgets.fields_at_hand import why_not
 
 REACH = 6.0  # pixels around the cursor
+ANSWERED = ("range", "incidence")
 
 Found = tuple[str, int] | None
+Value = tuple[str, str | float | int, str]
 
 
 class Picker(QObject):
-    """Finds the point that a click means.
+    """Finds the point that a click means, and all that is known of it.
 
     Signals
     -------
-    picked(scan, row)
+    described(list)
+        Names, values and units; again when the incidence of the point is computed.
     """
 
-    picked = Signal(str, int)
+    described = Signal(object)
 
     def __init__(self, controller: Controller, parent: QObject) -> None:
         super().__init__(parent)
         self._controller = controller
+        self.point: Found = None
 
     def pick(self, view: View, x: float, y: float, scale: float = 1.0) -> None:
         """Look for the point at a place.
@@ -58,5 +65,37 @@ class Picker(QObject):
     def _tell(self, found: Found) -> None:
         if found is None:
             self._controller.said.emit(self.tr("There is no point here."))
-        else:
-            self.picked.emit(*found)
+            return
+        self.point = found
+        self._describe()
+        key, row = found
+        rows = np.array([row])
+        for field in ANSWERED:
+            if not why_not(self._controller.project, key, field):
+                self._controller.want(key, field, rows, self._describe)
+
+    def _describe(self) -> None:
+        if self.point is not None:
+            self.described.emit(describe_point(self._controller.project, *self.point))
+
+
+def describe_point(project: Project, scan: str, row: int) -> list[Value]:
+    """All that is known of a point; computes nothing."""
+    state = project.state.scan(scan)
+    x, y, z = (float(value) for value in state.scan.xyz[row])
+    values: list[Value] = [("Scan", state.scan.name, ""), ("Number in the file", row, "")]
+    values += [("x", x, "m"), ("y", y, "m"), ("z", z, "m")]
+    if state.scan.grid is not None:
+        values.append(("Row", int(state.scan.grid.row[row]), ""))
+        values.append(("Column", int(state.scan.grid.column[row]), ""))
+    for name, spec in project.catalogue(scan).items():
+        held = state.scan.attributes.get(name)
+        known = project.known_field(scan, name)
+        if held is not None:
+            values.append((spec.title, held[row].item(), spec.unit))
+        elif known is not None and known.have[row]:
+            values.append((spec.title, float(known.values[row]), spec.unit))
+    leaves = [leaf.name for leaf in project.state.leaves_of(scan) if row in leaf.members.indices]
+    if leaves:
+        values.append(("Leaf", ", ".join(leaves), ""))
+    return values

@@ -37,6 +37,7 @@ class Picture(QObject):
         self.picker = Picker(controller, self)
         self.view: View3D | None = None
         self._kept: object = None
+        self._shown = False
 
     def attach(self, view: View3D) -> None:
         """Take a view into service."""
@@ -117,21 +118,23 @@ class Picture(QObject):
 
         if self.view is None:
             return
-        state = self._controller.view
+        state, first = self._controller.view, bool(scene.clouds) and not self._shown
+        self._shown = bool(scene.clouds)
         self.view.show_scene(scene, ProjectSource(self._controller.project, state))
         if scene.clouds and state.camera is not None and state.camera != self._kept:
             # A session brought its camera along.
             self._kept = state.camera
             self.view.set_camera(Camera(*state.camera, parallel_scale=state.parallel_scale))
+        elif first:
+            # A scan looks familiar from where it was made.
+            self.look_from_scanner()
 
     # Gestures
 
     def _lasso(self, corners: list[tuple[float, float]], combine: Combine) -> None:
         if self.view is not None:
             tools = self._tools
-            self._work.lasso(
-                self.view.current_view(), corners, tools.mode, tools.purpose, combine
-            )
+            self._work.lasso(self.view.current_view(), corners, tools.mode, tools.purpose, combine)
 
     def _pick(self, x: float, y: float) -> None:
         if self.view is not None:

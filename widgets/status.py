@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QLocale, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QLabel, QProgressBar, QStatusBar, QToolButton, QWidget
 
 from app.model.scene import Scene
 from app.services.jobs import Job
+from widgets.common.numbers import show_count
 from widgets.controller import Controller
 from widgets.icons import draw_icon
 
@@ -52,15 +53,14 @@ class Status(QStatusBar):
         self.recolour()
 
     def _count(self, scene: Scene) -> None:
-        locale = QLocale()
         state = self._controller.scan
         selected = len(state.selection) if state is not None else 0
         parts = []
         if selected:
-            parts.append(self.tr("{0} selected").format(locale.toString(selected)))
+            parts.append(self.tr("{0} selected").format(show_count(selected)))
         if scene.clouds:
-            shown, total = locale.toString(scene.shown), locale.toString(scene.total)
-            parts.append(self.tr("{0} of {1} points").format(shown, total))
+            shown, total = show_count(scene.shown), show_count(scene.total)
+            parts.append(self.tr("{0} / {1} points").format(shown, total))
         self.points.setText("   ".join(parts))
 
     def _note_job(self, job: Job) -> None:

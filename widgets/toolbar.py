@@ -27,12 +27,14 @@ class Segments(QWidget):
             button.setProperty("segment", place)
             row.addWidget(button)
 
-    def set_compact(self, on: bool) -> None:
-        """Show icons alone, or icons with text."""
+    def set_compact(self, on: bool) -> int:
+        """Show icons alone, or icons with text; give the width that this takes."""
         for button in self.buttons:
             button.setToolButtonStyle(
                 Style.ToolButtonIconOnly if on else Style.ToolButtonTextBesideIcon
             )
+        self.layout().invalidate()
+        return self.sizeHint().width()
 
     def _button(self, action: RowAction) -> QToolButton:
         button = QToolButton(self)
@@ -43,7 +45,7 @@ class Segments(QWidget):
 
 
 class MainBar(QToolBar):
-    """Leaves the words out when the window is too narrow for them."""
+    """Leaves words out, the least needed first, when the window is too narrow for them."""
 
     def __init__(self, table: ActionTable, colour_by: ColourBy, parent: QWidget) -> None:
         super().__init__(parent)
@@ -59,7 +61,7 @@ class MainBar(QToolBar):
             Segments(self.tr("What the lasso does"), table.in_bar("purpose"), self),
             Segments(self.tr("What the lasso reaches"), table.in_bar("reach"), self),
         ]
-        self._roomy = 0
+        self._widths: list[int] = []
         self._fill(table, colour_by)
         self._measure()
 
@@ -83,19 +85,27 @@ class MainBar(QToolBar):
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """A new font or style needs other room."""
         super().changeEvent(event)
-        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange) and self._roomy:
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange) and self._widths:
             self._measure()
 
     def _measure(self) -> None:
+        """Find out how wide the bar is when ever more of its segments have lost their words."""
         em = self.fontMetrics().height()
         self.setIconSize(QSize(round(1.35 * em), round(1.35 * em)))
-        self._set_compact(False)
-        self._roomy = self.sizeHint().width()
+        with_words = [segments.set_compact(False) for segments in self._segments]
+        self.layout().invalidate()
+        self._widths = [self.sizeHint().width()]
+        for segments in self._by_worth():
+            spared = with_words[self._segments.index(segments)] - segments.set_compact(True)
+            self._widths.append(self._widths[-1] - spared)
         self._fit()
 
     def _fit(self) -> None:
-        self._set_compact(bool(self.width() < self._roomy))
+        fitting = (n for n, width in enumerate(self._widths) if width <= self.width())
+        wordless = next(fitting, len(self._segments))
+        for number, segments in enumerate(self._by_worth()):
+            segments.set_compact(number < wordless)
 
-    def _set_compact(self, on: bool) -> None:
-        for segments in self._segments:
-            segments.set_compact(on)
+    def _by_worth(self) -> list[Segments]:
+        tool, purpose, reach = self._segments
+        return [tool, reach, purpose]

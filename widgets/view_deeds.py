@@ -11,7 +11,6 @@ from app import __version__
 from app.model.view_state import Theme
 from widgets.controller import Controller
 from widgets.dialogs.guide import GuideDialog
-from widgets.picture import Picture
 from widgets.theme import ThemeSwitch
 
 if TYPE_CHECKING:
@@ -21,21 +20,13 @@ SMALLEST_POINT, LARGEST_POINT, STEP = 1.0, 12.0, 1.0
 
 
 class ViewDeeds(QObject):
-    """Camera, overlays, theme, layout and help."""
+    """Point size, theme, layout and help."""
 
-    def __init__(
-        self, window: QMainWindow, controller: Controller, picture: Picture, theme: ThemeSwitch
-    ) -> None:
+    def __init__(self, window: QMainWindow, controller: Controller, theme: ThemeSwitch) -> None:
         super().__init__(window)
-        self._window, self._controller = window, controller
-        self._picture, self._theme = picture, theme
+        self._window, self._controller, self._theme = window, controller, theme
         self._layout = window.saveState()
         self.table: ActionTable | None = None
-
-    @property
-    def orthographic(self) -> bool:
-        """Whether the picture has no perspective."""
-        return self._controller.view.parallel_scale is not None
 
     @property
     def theme(self) -> Theme:
@@ -62,9 +53,7 @@ class ViewDeeds(QObject):
 
     def toggle_full_screen(self) -> None:
         """Fill the screen, or go back."""
-        self._window.setWindowState(
-            self._window.windowState() ^ Qt.WindowState.WindowFullScreen
-        )
+        self._window.setWindowState(self._window.windowState() ^ Qt.WindowState.WindowFullScreen)
 
     def show_guide(self) -> None:
         """Open the user guide."""

@@ -58,9 +58,7 @@ def _save_grid(grid: Grid, folder: Path, prefix: str) -> dict[str, Any]:
 
 def _load_scan(entry: dict[str, Any], folder: Path, progress: Progress) -> Scan:
     xyz = _load(folder, entry["xyz"], progress)
-    attributes = {
-        name: _load(folder, file, progress) for name, file in entry["attributes"].items()
-    }
+    attributes = {name: _load(folder, file, progress) for name, file in entry["attributes"].items()}
     return Scan(
         name=entry["name"],
         xyz=xyz,

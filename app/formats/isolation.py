@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -145,7 +146,8 @@ def _pump(stream: IO[bytes], lines: queue.Queue[dict[str, Any]]) -> None:
 def _close(process: subprocess.Popen[bytes]) -> None:
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
-            pipe.close()
+            with suppress(BrokenPipeError):  # what it never read cannot be flushed
+                pipe.close()
 
 
 def _error(event: dict[str, Any]) -> BadInput | WrongUse:

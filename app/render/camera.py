@@ -76,7 +76,7 @@ def turn(camera: Camera, right: float, up: float) -> Camera:
     x, y, _ = camera.axes()
     arm = np.subtract(camera.position, camera.focal_point)
     arm, x = _rotate(arm, y, -right), _rotate(x, y, -right)
-    arm, y = _rotate(arm, x, -up), _rotate(y, x, -up)
+    arm, y = _rotate(arm, x, up), _rotate(y, x, up)
     return replace(camera, position=_vector(camera.focal_point + arm), view_up=_vector(y))
 
 

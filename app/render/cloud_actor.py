@@ -39,9 +39,8 @@ class CloudActor:
         self.order = shuffle_points(self.size)
         self.blocks = split_blocks(self.size)
         self.origin = _choose_origin(xyz[self.order[: self.blocks[0][1]]] if self.blocks else xyz)
-        self._data = tuple(
-            _make_block(xyz.take(self._rows(i), axis=0) - self.origin) for i in self._numbers()
-        )
+        parts = (xyz.take(self._rows(i), axis=0) for i in range(len(self.blocks)))
+        self._data = tuple(_make_block(part - self.origin) for part in parts)
         self.actors = tuple(_make_actor(data, self.shading) for data in self._data)
         self._box = self._measure()
 
@@ -100,9 +99,6 @@ class CloudActor:
                 return _used_points(data, SAMPLE) + self.origin
         return np.empty((0, 3))
 
-    def _numbers(self) -> range:
-        return range(len(self.blocks))
-
     def _rows(self, block: int) -> Ints:
         # For `take`: it gathers five times faster than indexing does.
         start, stop = self.blocks[block]
@@ -123,7 +119,7 @@ def _make_block(local: Floats) -> vtkPolyData:
     data = vtkPolyData()
     data.SetPoints(points)
     data.SetVerts(_vertices(np.arange(len(local))))
-    _put(data, VALUE, np.full(len(local), NO_VALUE))
+    _put(data, VALUE, _no_values(len(local)))
     _put(data, MARK, np.zeros(len(local), np.float32))
     return data
 
@@ -155,6 +151,10 @@ def _put(data: vtkPolyData, name: str, values: AnyArray) -> None:
     array = numpy_to_vtk(np.ascontiguousarray(values))
     array.SetName(name)
     data.GetPointData().AddArray(array)
+
+
+def _no_values(count: int) -> AnyArray:
+    return np.full(count, NO_VALUE)
 
 
 def _cell_bounds(data: vtkPolyData) -> Floats:

@@ -23,6 +23,7 @@ from app.formats.options import DEFAULTS, ReadOptions
 from app.model.scan import Scan, Source
 
 SHARE_OF_FREE = 0.6  # of the free memory that one file may fill
+_FOLDER = "leafscope-read-"
 _HASH_CHUNK = 4 << 20
 _SHORTEST_TIME = 10.0  # seconds
 _BYTES_PER_SECOND = 1e6  # slower than any disk: the limit stops what hangs, not what is large
@@ -143,11 +144,20 @@ def _allow_seconds(size: int, header: Header) -> float:
 @contextmanager
 def _private_folder() -> Iterator[Path]:
     """A folder that only this user may enter, always removed."""
-    folder = Path(tempfile.mkdtemp(prefix=f"leafscope-read-{os.getpid()}-"))
+    _sweep_folders()
+    folder = Path(tempfile.mkdtemp(prefix=f"{_FOLDER}{os.getpid()}-"))
     try:
         yield folder
     finally:
         shutil.rmtree(folder)
+
+
+def _sweep_folders() -> None:
+    """Remove what processes left behind that were killed while they read."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{_FOLDER}*"):
+        owner = folder.name.removeprefix(_FOLDER).split("-")[0]
+        if owner.isdecimal() and not psutil.pid_exists(int(owner)):
+            shutil.rmtree(folder, ignore_errors=True)  # it may be another user's
 
 
 def _to_metres(scan: Scan, metres_per_unit: float) -> Scan:

@@ -116,7 +116,7 @@ def test_the_scanner_sees_its_scan_from_where_it_stands() -> None:
 
 
 def test_a_scanner_amid_its_scan_steps_back() -> None:
-    points = np.random.default_rng(4).normal(0, 3, (400, 3)) + (0.5, 0, 0)
+    points = np.random.default_rng(4).normal((0.5, 0, 0), 3, (400, 3))
     camera = look_from(np.zeros(3), points, 1.5)
     places = np.array([place_of(camera, point) for point in points])
     assert np.abs(places).max() < 0.75

@@ -6,6 +6,8 @@ import hashlib
 import os
 import signal
 import struct
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -212,6 +214,18 @@ def test_a_reader_that_wants_more_than_it_may_ends_with_a_sentence(
     os.truncate(path, 40_000_000 * 40)  # sparse: a file that is as large as it claims
     with pytest.raises(BadInput, match=r"memory|crashed"):
         run_reader(path, "las", DEFAULTS.as_json(), folder, Limits(memory, 30.0), QUIET)
+
+
+def test_folders_of_dead_processes_are_swept(tmp_path: Path, no_leftovers: Path) -> None:
+    process = subprocess.run([sys.executable, "-c", "import os; print(os.getpid())"],
+                             capture_output=True, text=True, check=True)  # fmt: skip
+    dead = no_leftovers / f"leafscope-read-{process.stdout.strip()}-x"
+    alive = no_leftovers / f"leafscope-read-{os.getpid()}-x"
+    for folder in (dead, alive):
+        folder.mkdir()
+    read_file(make_las(tmp_path / "a.las"))
+    assert not dead.exists()
+    alive.rmdir()
 
 
 def test_a_file_that_changes_meanwhile_is_refused(tmp_path: Path) -> None:

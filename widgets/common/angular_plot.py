@@ -15,7 +15,9 @@ from app.core.units import to_radians
 from widgets.common.angular_points import AngularPoints
 from widgets.common.plots import ORANGE, DensityImage, Plot, mix
 
-STEEPEST_DRAWN = 89.9
+STEEPEST_TICKS = range(0, 91, 15)
+DRAWN = 89.9
+TICKS = range(0, 91, 15)
 DRAWN = np.linspace(0.0, STEEPEST_DRAWN, 361)
 
 
@@ -37,13 +39,15 @@ class AngularPlot(Plot):
             self._density,
             self._dots,
             self._band,
-            self._beyond,
-            self.curve,
             self._bars,
             self.means,
+            self._beyond,
+            self.curve,
         ):
             self.addItem(item)
-        self.setXRange(0.0, 90.0, padding=0.01)
+        self._legend = self.addLegend(offset=(-4, 4))
+        self.getAxis("bottom").setTicks([[(angle, f"{angle}") for angle in TICKS]])
+        self.setXRange(0.0, 90.0, padding=0.03)
 
     def show_points(self, points: AngularPoints) -> None:
         """Show points and their means, in the colours of the palette."""
@@ -97,6 +101,14 @@ class AngularPlot(Plot):
             self._low.setData(DRAWN[inside], y[inside] - scatter)
             self._high.setData(DRAWN[inside], y[inside] + scatter)
             self._band.setBrush(band)
+        self._name_items(shown)
+
+    def _name_items(self, banded: bool) -> None:
+        self._legend.clear()
+        self._legend.setLabelTextColor(self.ink)
+        curve = self.tr("curve ± RMSE") if banded else self.tr("curve")
+        self._legend.addItem(self.curve, curve)
+        self._legend.addItem(self.means, self.tr("mean ± sd per 5°"))
 
 
 def draw_curve(model: PhaseModel, values: Mapping[str, float]) -> Floats:

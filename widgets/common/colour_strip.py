@@ -26,16 +26,16 @@ class ColourStrip(QWidget):
         self.setAccessibleName(", ".join(self._texts))
         self.update()
 
-    def sizeHint(self) -> QSize:
+    def sizeHint(self) -> QSize:  # noqa: N802
         """As high as the strip with a line of text."""
         line = self.fontMetrics().height()
         return QSize(20 * line, 2 * line)
 
-    def minimumSizeHint(self) -> QSize:
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
         """As `sizeHint`, but narrow."""
         return QSize(self.sizeHint().width() // 2, self.sizeHint().height())
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
         """Draw the strip and its texts."""
         painter = QPainter(self)
         line = float(self.fontMetrics().height())

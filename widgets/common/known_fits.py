@@ -24,7 +24,7 @@ def find_newest(state: State, target: Target) -> FitRecord | None:
 
 def find_source(state: State, scan: str, curve: Curve) -> FitResult | None:
     """The fit that a curve comes from; None for one that was set by hand."""
-    for record in reversed(state.fits.values()):
+    for record in reversed(list(state.fits.values())):
         if (record.scan, record.model, record.channel) != (scan, curve.model, curve.channel):
             continue
         result = FitResult.from_dict(record.result)

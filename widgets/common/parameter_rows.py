@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QSlider, QWidget
 
@@ -63,18 +63,14 @@ class ParameterRow(QObject):
     def show_value(self, value: float) -> None:
         """Show a value without a signal; NaN rests in the middle."""
         known = value if math.isfinite(value) else (self.low + self.high) / 2
-        for widget in (self.slider, self.field):
-            widget.blockSignals(True)
-        self.field.setValue(known)
         share = (known - self.low) / (self.high - self.low)
-        self.slider.setValue(round(min(max(share, 0.0), 1.0) * STEPS))
-        for widget in (self.slider, self.field):
-            widget.blockSignals(False)
+        with QSignalBlocker(self.slider), QSignalBlocker(self.field):
+            self.field.setValue(known)
+            self.slider.setValue(round(min(max(share, 0.0), 1.0) * STEPS))
 
     def _on_slider(self, position: int) -> None:
-        self.field.blockSignals(True)
-        self.field.setValue(self.low + (self.high - self.low) * position / STEPS)
-        self.field.blockSignals(False)
+        with QSignalBlocker(self.field):
+            self.field.setValue(self.low + (self.high - self.low) * position / STEPS)
         self.moved.emit(self.parameter.name)
         if not self.slider.isSliderDown():
             self.released.emit()  # moved by the keyboard or the wheel

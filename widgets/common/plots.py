@@ -29,6 +29,8 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         Titles of the axes with units, e.g. ``ω (°)``.
     """
 
+    _built = False
+
     def __init__(self, name: str, x: str, y: str, parent: QWidget | None = None) -> None:
         super().__init__(parent, enableMenu=False)
         self.setAccessibleName(name)
@@ -36,23 +38,27 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         self.hideButtons()
         self.title_axis("bottom", x)
         self.title_axis("left", y)
+        self._built = True
         self.restyle()
 
     @property
     def ink(self) -> QColor:
         """Colour of text and axes."""
-        return self.palette().color(QPalette.ColorRole.Text)
+        ink: QColor = self.palette().color(QPalette.ColorRole.Text)
+        return ink
 
     @property
     def accent(self) -> QColor:
         """Colour of what matters most."""
-        return self.palette().color(QPalette.ColorRole.Highlight)
+        accent: QColor = self.palette().color(QPalette.ColorRole.Highlight)
+        return accent
 
     def title_axis(self, side: str, title: str) -> None:
         """Name an axis; its numbers keep the unit of the title, without prefixes."""
         axis = self.getAxis(side)
+        # No ranges first: switching off alone would keep the prefix of the moment.
+        axis.setLabel(title, siPrefixEnableRanges=())
         axis.enableAutoSIPrefix(False)
-        axis.setLabel(title)
 
     def restyle(self) -> None:
         """Take over the palette."""
@@ -70,19 +76,24 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
 
     def dot_size(self) -> float:
         """Size of a dot that suits the font."""
-        return self.fontMetrics().height() / 5.0
+        return float(self.fontMetrics().height()) / 5.0
 
-    def changeEvent(self, event: QEvent) -> None:
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Follow the theme."""
         super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange:
+        # The base class changes its palette while it is being built.
+        if event.type() == QEvent.Type.PaletteChange and self._built:
             self.restyle()
 
 
 def mix(first: QColor, second: QColor, share: float = 0.5) -> QColor:
     """A colour between two: `share` of the second."""
-    parts = zip(first.getRgbF()[:3], second.getRgbF()[:3], strict=True)
-    return QColor.fromRgbF(*(a + (b - a) * share for a, b in parts))
+    pairs = (
+        (first.redF(), second.redF()),
+        (first.greenF(), second.greenF()),
+        (first.blueF(), second.blueF()),
+    )
+    return QColor.fromRgbF(*(a + (b - a) * share for a, b in pairs))
 
 
 class DensityImage(pg.ImageItem):  # type: ignore[misc]

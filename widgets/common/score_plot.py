@@ -38,7 +38,7 @@ class ScorePlot(Plot):
         self._counts: AnyArray = np.zeros(0)
         self._tops: AnyArray = np.zeros(0)
         self.setMouseEnabled(x=False, y=False)
-        self.setXRange(0.0, 1.0, padding=0.02)
+        self.setXRange(0.0, 1.0, padding=0.04)
         self.getAxis("left").setTicks([[]])
         self.line.sigDragged.connect(self._on_dragged)
         self.line.sigPositionChangeFinished.connect(self._on_let_go)
@@ -47,9 +47,7 @@ class ScorePlot(Plot):
         """Show points per bin; a log scale, since ghosts are few among many."""
         self._counts = histogram
         top = max(float(np.log10(max(histogram.max(initial=1), 1))), 1.0)
-        self._tops = np.where(
-            histogram > 0, np.log10(np.maximum(histogram, 1)) + LEAST_SHARE, 0.0
-        )
+        self._tops = np.where(histogram > 0, np.log10(np.maximum(histogram, 1)) + LEAST_SHARE, 0.0)
         decades = range(int(top) + 1)
         self.getAxis("left").setTicks([[(d + LEAST_SHARE, f"{10**d:,}") for d in decades]])
         self.setYRange(0.0, top + 2 * LEAST_SHARE, padding=0.0)

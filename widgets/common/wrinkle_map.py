@@ -54,9 +54,7 @@ class SeenLeaf:
         return max(float(np.ceil(np.quantile(finite, 0.98))), 2.0) if len(finite) else 2.0
 
 
-def see_leaf(
-    project: Project, scan: str, members: Ints, sigma: float = 0.0
-) -> SeenLeaf:
+def see_leaf(project: Project, scan: str, members: Ints, sigma: float = 0.0) -> SeenLeaf:
     """Describe the Δω of a leaf; the field must be known or cheap.
 
     Parameters

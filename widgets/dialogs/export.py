@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QLocale, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QButtonGroup,
     QComboBox,
@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.services.export import Portion, chosen_points, judgements
+from widgets.common.numbers import show_count
 from widgets.controller import Controller
 from widgets.dialogs.open_scan import FileDialogs
 from widgets.documents import Documents
@@ -111,7 +112,7 @@ class ExportDialog(QDialog):
 
     def _fill(self) -> None:
         for number, (portion, title) in enumerate(PORTIONS):
-            count = QLocale().toString(self._counts[portion])
+            count = show_count(self._counts[portion])
             button = QRadioButton(self.tr("{0} ({1} points)").format(self.tr(title), count), self)
             button.setEnabled(self._counts[portion] > 0)
             self.portions.addButton(button, number)
@@ -124,9 +125,7 @@ class ExportDialog(QDialog):
                 self._add_field(field)
         self.fields.itemChanged.connect(self._summarise)
         self.fields.setAccessibleName(self.tr("Fields to compute and write"))
-        write = self.buttons.addButton(
-            self.tr("&Write…"), QDialogButtonBox.ButtonRole.AcceptRole
-        )
+        write = self.buttons.addButton(self.tr("&Write…"), QDialogButtonBox.ButtonRole.AcceptRole)
         write.setDefault(True)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
@@ -169,6 +168,6 @@ class ExportDialog(QDialog):
 
     def _summarise(self) -> None:
         names = ["x", "y", "z", *self.columns()]
-        count = QLocale().toString(self._counts[self.portion()])
+        count = show_count(self._counts[self.portion()])
         text = self.tr("{0} points with {1} columns: {2}. Deleted points are left out.")
         self.summary.setText(text.format(count, len(names), ", ".join(names)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, QUrl
+from PySide6.QtCore import QCoreApplication, Qt, QUrl
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QTextBrowser, QVBoxLayout, QWidget
 
 from widgets.icons import find_resource
@@ -34,4 +34,5 @@ class GuideDialog(QDialog):
     def of_guide(cls, parent: QWidget | None = None) -> GuideDialog:
         """The user guide."""
         text = find_resource("docs/guide.md").read_text(encoding="utf-8")
-        return cls(cls.tr("Leafscope guide"), text, parent)
+        title = QCoreApplication.translate("GuideDialog", "Leafscope guide")
+        return cls(title, text, parent)

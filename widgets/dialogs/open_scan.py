@@ -60,9 +60,7 @@ class FileDialogs(QObject):
         dialog.fileSelected.connect(take)
         dialog.open()
 
-    def _dialog(
-        self, title: str, filters: list[str], parent: QWidget | None = None
-    ) -> QFileDialog:
+    def _dialog(self, title: str, filters: list[str], parent: QWidget | None = None) -> QFileDialog:
         dialog = QFileDialog(parent or self._window, title, str(self.folder))
         dialog.setObjectName("files")
         dialog.setNameFilters(filters)

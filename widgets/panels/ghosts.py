@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QGridLayout,
@@ -166,10 +166,9 @@ class GhostsPanel(Panel):
 
     def show_threshold(self, threshold: float) -> None:
         """Show what a threshold would do; the document is not touched."""
-        for widget, value in ((self.slider, round(threshold * STEPS)), (self.field, threshold)):
-            widget.blockSignals(True)
-            widget.setValue(value)
-            widget.blockSignals(False)
+        with QSignalBlocker(self.slider), QSignalBlocker(self.field):
+            self.slider.setValue(round(threshold * STEPS))
+            self.field.setValue(threshold)
         self.plot.show_threshold(self.threshold)
         self._tell()
 
@@ -238,9 +237,7 @@ class GhostsPanel(Panel):
         scan, state = self.controller.current, self.controller.scan
         if scan is not None and state is not None:
             judged = PointSet.from_mask(state.marks != 0)
-            self.controller.do(
-                MarkGhosts(scan, cleared=judged, basis=FieldRange(GHOST, 0.0, 1.0))
-            )
+            self.controller.do(MarkGhosts(scan, cleared=judged, basis=FieldRange(GHOST, 0.0, 1.0)))
 
     def _commit(self) -> None:
         state = self.controller.scan

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import (
@@ -98,6 +99,7 @@ class JobsPanel(Panel):
         self.setObjectName("jobs")
         self.setWindowTitle(self.tr("Jobs"))
         self.rows: dict[Job, JobRow] = {}
+        self._since: dict[Job, float] = {}
         self.notice = Notice(self)
         content = QWidget(self)
         self._list = QVBoxLayout(content)
@@ -115,10 +117,10 @@ class JobsPanel(Panel):
             row = self.rows.pop(job)
             self._list.removeWidget(row)
             row.deleteLater()
-        if self._clock.isActive():
-            for job in jobs:
-                if job not in self.rows:
-                    self._add(job)
+        self._since = {job: self._since.get(job, time.monotonic()) for job in jobs}
+        for job, since in self._since.items():
+            if job not in self.rows and time.monotonic() - since >= PATIENCE / 1000:
+                self._add(job)
         for row in self.rows.values():
             row.show_progress()
         if not jobs:
@@ -134,5 +136,7 @@ class JobsPanel(Panel):
         if job.over:
             if job in self.rows:
                 self.refresh()
-        elif not self._clock.isActive():
+            return
+        self._since.setdefault(job, time.monotonic())
+        if not self._clock.isActive():
             self._clock.start()

@@ -104,7 +104,7 @@ class PhaseLabPanel(Panel):
             return None
         if choice.what == "scan":
             return Target(scan, (), choice.channel, choice.model)
-        asked = (self.controller.view.leaf,) if choice.what == "leaf" else self._chosen
+        asked = (self.controller.view.leaf or "",) if choice.what == "leaf" else self._chosen
         keys = tuple(k for k in asked if k in state.leaves and state.leaves[k].scan == scan)
         return Target(scan, keys, choice.channel, choice.model) if keys else None
 
@@ -231,8 +231,8 @@ class PhaseLabPanel(Panel):
         if target is None:
             return
         record = find_newest(self.controller.project.state, target)
-        result = self.editor.result
-        if record is not None and result is not None and FitResult.from_dict(record.result) == result:
+        fitted = None if record is None else FitResult.from_dict(record.result)
+        if record is not None and fitted == self.editor.result:
             self.work.use_fit(record)
         else:
             self._use_by_hand("")

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 
-import numpy as np
-import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from app.core.arrays import Ints
@@ -206,7 +204,7 @@ class WrinklesPanel(Panel):
             (self.tr("Δω, mean ± sd"), f"{show_signed(mean)}° ± {show_number(sd, 1)}°"),
             (self.tr("Δω, median"), f"{show_signed(median)}°"),
             (self.tr("Skewness"), show_signed(spread.skewness, 2)),
-            (self._name_modes(len(spread.modes)), modes or "–"),
+            (self.tr("Peaks of Δω"), self._tell_modes(modes, len(spread.modes))),
             (
                 self.tr("Points"),
                 self.tr("{n}, and {m} whose intensity is not on the curve").format(
@@ -221,10 +219,10 @@ class WrinklesPanel(Panel):
             ),
         ]
 
-    def _name_modes(self, count: int) -> str:
+    def _tell_modes(self, modes: str, count: int) -> str:
         if count == 1:
-            return self.tr("One peak: simple curvature")
-        return self.tr("{n} peaks: wrinkles").format(n=count)
+            return self.tr("{modes} (one: a simple curvature)").format(modes=modes)
+        return self.tr("{modes} (several: wrinkles)").format(modes=modes)
 
     def _on_notice(self) -> None:
         state, scan, leaf = self.controller.scan, self.controller.current, self.leaf

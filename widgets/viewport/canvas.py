@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 from pyvistaqt.rwi import QVTKRenderWindowInteractor
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkFloatArray
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 
@@ -75,14 +78,15 @@ class Canvas(QVTKRenderWindowInteractor):  # type: ignore[misc]
         if left > right or low > high:
             return None
         self.window_.MakeCurrent()
-        depths = self.window_.GetZbufferData(left, low, right, high)
-        wide = right - left + 1
-        drawn = [(abs(left + i % wide - column) + abs(low + i // wide - row), i, depth)
-                 for i, depth in enumerate(depths) if depth < 1.0]  # fmt: skip
-        if not drawn:
+        read = vtkFloatArray()
+        self.window_.GetZbufferData(left, low, right, high, read)
+        depths = vtk_to_numpy(read).reshape(high - low + 1, right - left + 1)
+        rows, columns = np.nonzero(depths < 1.0)
+        if len(rows) == 0:
             return None
-        _, i, depth = min(drawn)
-        return left + i % wide, low + i // wide, depth
+        nearest = int(np.hypot(rows + low - row, columns + left - column).argmin())
+        i, j = int(rows[nearest]), int(columns[nearest])
+        return left + j, low + i, float(depths[i, j])
 
     def paintGL(self) -> None:  # noqa: N802
         """Render if there is something new; copy the frame to the screen."""
@@ -94,7 +98,7 @@ class Canvas(QVTKRenderWindowInteractor):  # type: ignore[misc]
             super().paintGL()
         finally:
             self._in_paint = False
-        if stale and self.window_.GetReadyForRendering():
+        if stale and self.window_ is not None and self.window_.GetReadyForRendering():
             self.window_.WaitForCompletion()
             self.rendered.emit(time.perf_counter() - start)
 
@@ -106,8 +110,12 @@ class Canvas(QVTKRenderWindowInteractor):  # type: ignore[misc]
 
     def release(self) -> None:
         """Give back everything of the graphics card; the widget shows nothing afterwards."""
+        if self.window_ is None:
+            return
         self.window_.RemoveRenderer(self._renderer)
         self.close()
+        # The signals of Qt may keep this widget a while longer, but not VTK's window.
+        self.window_ = self._RenderWindow = self._Iren = None
 
     # VTK's own mouse and key handling would move the camera behind our back.
 

@@ -242,5 +242,8 @@ class View3D(QWidget):
         text = count_points(scene.shown, scene.total) if scene.clouds else ""
         if text and not self.at_rest:
             text += f" · {100 * self.drawn // max(scene.shown, 1)} %"
+        missing = sorted({cloud.missing for cloud in scene.clouds if cloud.missing})
+        if missing:
+            text += " · " + self.tr("not computed yet: {}").format(", ".join(missing))
         self._overlay.set_text(text)
         self.progressed.emit()
