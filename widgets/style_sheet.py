@@ -20,14 +20,14 @@ QToolButton:pressed { background: @line; }
 QToolButton:focus { border-color: @accent; }
 QToolButton:disabled { color: @disabled; }
 QToolButton[segment="first"], QToolButton[segment="middle"], QToolButton[segment="last"]
-    { border: 1px solid @border; background: @base; border-radius: 0; padding: 0.3em 0.55em; }
+    { border: 1px solid @border; background: @base; border-radius: 0;
+      padding: 0.3em 0.35em 0.3em 0.5em; }
 QToolButton[segment="first"] { border-top-left-radius: 0.4em; border-bottom-left-radius: 0.4em; }
 QToolButton[segment="middle"], QToolButton[segment="last"] { border-left: none; }
 QToolButton[segment="last"]
     { border-top-right-radius: 0.4em; border-bottom-right-radius: 0.4em; }
 QToolButton[segment]:hover:enabled { background: @hover; }
 QToolButton[segment]:checked { background: @soft; }
-QToolButton[segment]:checked:enabled { color: @text; font-weight: 600; }
 QToolButton[segment]:disabled { background: @window; border-color: @line; }
 
 QPushButton { border: 1px solid @border; border-radius: 0.4em; padding: 0.38em 1em;
@@ -43,6 +43,24 @@ QPushButton[primary="true"]:hover, QPushButton:default:hover { border-color: @te
 QPushButton[primary="true"]:disabled, QPushButton:default:disabled
     { background: @window; border-color: @line; color: @disabled; }
 
+QDialogButtonBox, QMessageBox { dialogbuttonbox-buttons-have-icons: 0; }
+
+QRadioButton::indicator, QCheckBox::indicator, QAbstractItemView::indicator
+    { width: 0.95em; height: 0.95em; border: 1px solid @border; background: @base; }
+QRadioButton::indicator { border-radius: 0.52em; }
+QCheckBox::indicator, QAbstractItemView::indicator { border-radius: 0.2em; }
+QAbstractItemView::indicator { width: 0.78em; height: 0.78em; }
+QRadioButton::indicator:checked
+    { background: qradialgradient(cx: 0.5, cy: 0.5, radius: 0.5, fx: 0.5, fy: 0.5,
+      stop: 0 @accent, stop: 0.5 @accent, stop: 0.6 @base, stop: 1 @base);
+      border-color: @accent; }
+QCheckBox::indicator:checked, QAbstractItemView::indicator:checked
+    { background: @accent; border-color: @accent; image: url("@check;"); }
+QCheckBox::indicator:indeterminate, QAbstractItemView::indicator:indeterminate
+    { background: @soft; border-color: @accent; }
+QRadioButton::indicator:disabled, QCheckBox::indicator:disabled
+    { border-color: @line; background: @window; }
+
 QDockWidget { titlebar-close-icon: none; titlebar-normal-icon: none; font-weight: 600; }
 QDockWidget::title { background: @window; padding: 0.45em 0.7em; border-bottom: 1px solid @line; }
 QTabBar { qproperty-drawBase: 0; }
@@ -52,7 +70,8 @@ QTabBar::tab:selected { color: @text; border-bottom-color: @accent; }
 QTabBar::tab:hover:!selected { color: @text; background: @hover; }
 QHeaderView::section { background: @window; color: @faint; border: none;
                        border-bottom: 1px solid @line; padding: 0.3em 0.5em; }
-QAbstractItemView { border: 1px solid @line; }
+QAbstractItemView { border: 1px solid @line; selection-background-color: @soft;
+                    selection-color: @text; }
 QMenu::separator { background: @line; height: 1px; margin: 0.3em 0.6em; }
 
 QProgressBar { border: 1px solid @line; border-radius: 0.35em; background: @base;

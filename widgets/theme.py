@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Qt, Signal
@@ -9,6 +10,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication
 
 from app.model.view_state import Theme
+from widgets.icons import find_resource
 from widgets.style_sheet import SHEET
 
 Role = QPalette.ColorRole
@@ -130,7 +132,8 @@ def make_palette(colours: Colours) -> QPalette:
 
 def make_sheet(colours: Colours) -> str:
     """The style sheet of a theme."""
-    sheet = SHEET
+    tick = "light" if colours is LIGHT else "dark"
+    sheet = SHEET.replace("@check;", find_resource(f"icons/check-{tick}.svg").as_posix())
     for name in Colours.__slots__:
-        sheet = sheet.replace(f"@{name};", f"{getattr(colours, name)};")
+        sheet = re.sub(rf"@{name}\b", getattr(colours, name), sheet)
     return sheet

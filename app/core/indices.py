@@ -151,8 +151,8 @@ def _missing(index: NamedIndex, wavelengths: Mapping[str, float | None]) -> Miss
     )
     gaps = [_gap(index, pair, wavelengths) for pair in index.wanted_nm]
     return MissingChannel(
-        f"{index.name} needs two channels near {pairs} nm (within {index.tolerance_nm:g} nm) "
-        f"and {min(gaps, key=len)}; channels here: {there or 'none'}.",
+        f"{index.name} needs two channels near {pairs} nm (within {index.tolerance_nm:g} nm): "
+        f"{min(gaps, key=len)}; channels here: {there or 'none'}.",
         "Name the wavelengths of the channels, or write a formula of your own.",
     )
 
@@ -162,7 +162,9 @@ def _gap(
 ) -> str:
     known = [(name, nm) for name, nm in wavelengths.items() if nm is not None]
     lacking = [f"{nm:g} nm" for nm in pair if not _within(known, nm, index.tolerance_nm)]
-    return f"{' and '.join(lacking)} is missing" if lacking else "one channel cannot be both"
+    if len(lacking) == len(pair):
+        return "both are missing"
+    return f"{lacking[0]} is missing" if lacking else "one channel cannot be both"
 
 
 def evaluate(index: NamedIndex, values: Mapping[str, Floats]) -> Floats:

@@ -54,11 +54,8 @@ def channel_field(channel: Channel) -> FieldSpec:
         values = evaluation.subject.state.scan.attributes[channel.attribute]
         return Computed(_rows(values, points).astype(np.float64))
 
-    title = (
-        channel.name
-        if channel.wavelength_nm is None
-        else (f"{channel.name} ({channel.wavelength_nm:g} nm)")
-    )
+    nm = "" if channel.wavelength_nm is None else f"{channel.wavelength_nm:g}"
+    title = channel.name if nm in channel.name else f"{channel.name} ({nm} nm)"
     return FieldSpec(channel.name, title, CHANNEL_UNITS[channel.kind], "scalar", compute)
 
 

@@ -25,14 +25,20 @@ in float fieldValue;
 in float markCode;
 out float valueOut;
 out float markOut;
+out float depthOut;
 """
+# In perspective w is the distance along the view; in an orthographic view z is linear itself.
 VERTEX_IMPL = """//VTK::ValuePass::Impl
   valueOut = fieldValue;
   markOut = markCode;
+  depthOut = nearest < 0.0
+    ? 0.5 * gl_Position.z + 0.5
+    : (gl_Position.w - nearest) / (farthest - nearest);
 """
 FRAGMENT_DEC = """//VTK::ValuePass::Dec
 in float valueOut;
 in float markOut;
+in float depthOut;
 """
 # `table_rows` in palettes.py holds the same formula.
 FRAGMENT_COLOUR = """//VTK::Color::Impl
@@ -40,7 +46,7 @@ FRAGMENT_COLOUR = """//VTK::Color::Impl
     ? mod(floor(valueOut + 0.5), 256.0)
     : floor(clamp((valueOut - low) / max(high - low, 1.0e-30), 0.0, 1.0) * 255.0 + 0.5);
   vec3 shown = valueOut < -1.0e38
-    ? missing
+    ? mix(missing, haze, hazeStrength * clamp(depthOut, 0.0, 1.0))
     : texture(palette, vec2((row + 0.5) / 256.0, 0.5)).rgb;
   vec4 mark = texture(marks, vec2((markOut + 0.5) / 256.0, 0.5));
   diffuseColor = mix(shown, mark.rgb, mark.a);
@@ -77,7 +83,8 @@ class Shading:
         self.property.SetTexture("palette", self._palette.texture)
         self.property.SetTexture("marks", self._marks.texture)
         self.set_range(0.0, 1.0, False)
-        self.set_missing((128, 128, 128))
+        self.set_missing((128, 128, 128), (128, 128, 128), 0.0)
+        self.set_depths(-1.0, 1.0)
 
     def set_range(self, low: float, high: float, categorical: bool) -> None:
         """Set the limits of the colour table."""
@@ -94,10 +101,18 @@ class Shading:
         """Set the colours of the marks, (256, 4) uint8."""
         self._marks.fill(table)
 
-    def set_missing(self, colour: Rgb) -> None:
-        """Set the colour of points without a value."""
-        rgb = [part / 255.0 for part in colour]
-        self.shader.GetFragmentCustomUniforms().SetUniform3f("missing", rgb)
+    def set_missing(self, colour: Rgb, haze: Rgb, strength: float) -> None:
+        """Set the colour of points without a value, and how it fades with depth."""
+        uniforms = self.shader.GetFragmentCustomUniforms()
+        uniforms.SetUniform3f("missing", [part / 255.0 for part in colour])
+        uniforms.SetUniform3f("haze", [part / 255.0 for part in haze])
+        uniforms.SetUniformf("hazeStrength", strength)
+
+    def set_depths(self, nearest: float, farthest: float) -> None:
+        """Set the depths between which the haze grows; a negative one is orthographic."""
+        uniforms = self.shader.GetVertexCustomUniforms()
+        uniforms.SetUniformf("nearest", nearest)
+        uniforms.SetUniformf("farthest", farthest)
 
     def set_point_size(self, pixels: float) -> None:
         """Set the side of a point in device pixels."""

@@ -25,6 +25,7 @@ from app.render.palettes import (
 from app.render.picture import PictureSource, known_values
 
 FAIR_SAMPLE = 1000
+HAZE = 0.72
 
 
 class Stage:
@@ -40,6 +41,8 @@ class Stage:
 
     def __init__(self, background: Background = "light", scale: float = 1.0) -> None:
         self.renderer = vtkRenderer()
+        # VTK's half would waste the depth buffer and the haze: our box is exact.
+        self.renderer.SetClippingRangeExpansion(0.01)
         self.scene = Scene()
         self.origin: Floats = np.zeros(3)
         self.scale = scale
@@ -158,6 +161,10 @@ class Stage:
             lower, upper = bounds - self.origin
             box = np.stack((lower - 1e-3, upper + 1e-3), axis=1).ravel()
             self.renderer.ResetCameraClippingRange(*box)
+            camera = self.renderer.GetActiveCamera()
+            near, far = camera.GetClippingRange()
+            for cloud in self._clouds.values():
+                cloud.shading.set_depths(-1.0 if camera.GetParallelProjection() else near, far)
 
     def view(self, size: tuple[int, int]) -> View:
         """The camera as a matrix, for selection and picking."""
@@ -206,8 +213,10 @@ class Stage:
     def _style(self, cloud: Cloud) -> None:
         shading = self._clouds[cloud.scan].shading
         shading.set_point_size(cloud.point_size * self.scale)
-        colours = PLAIN if cloud.bar is None else MISSING
-        shading.set_missing(colours[self.background])
+        # Without colours only haze tells what is far; with them it would falsify the scale.
+        plain = cloud.bar is None
+        colour = (PLAIN if plain else MISSING)[self.background]
+        shading.set_missing(colour, BACKGROUNDS[self.background][1], HAZE if plain else 0.0)
 
 
 def _corners(box: Floats) -> Floats:

@@ -15,10 +15,10 @@ from app.model.scene import resolve
 from app.model.view_state import ColourRange, ViewState
 from app.render.camera import Camera, look_at_points, make_orthographic
 from app.render.overlay import SELECTED_COLOUR
-from app.render.palettes import BACKGROUNDS, MISSING, PLAIN, colours
+from app.render.palettes import BACKGROUNDS, MISSING, PLAIN, colour_table, colours
 from app.render.picture import ProjectSource
 from app.render.snapshot import make_window
-from app.render.stage import Stage
+from app.render.stage import HAZE, Stage
 
 SIZE = (300, 200)
 FAR = np.array([500_000.0, 5_400_000.0, 300.0])
@@ -105,22 +105,32 @@ def test_a_point_lands_within_a_pixel_far_from_the_origin(build: Build, picture:
         picture.stage.clear()
 
 
-def test_missing_values_and_plain_points_have_their_own_colours(
-    build: Build, picture: Picture
-) -> None:
+def test_missing_values_have_their_own_colour(build: Build, picture: Picture) -> None:
     values = np.full(9, np.nan)
     values[0] = np.inf
     project, key = build(nine_points(), {"v": values})
+    picture.show(project, ViewState(key, colour="v", point_size=3))
     picture.stage.set_camera(camera_at_nine())
-    for view, colour in (
-        (ViewState(key, colour="v", point_size=3), MISSING["light"]),
-        (ViewState(key, point_size=3), PLAIN["light"]),
-    ):
-        picture.show(project, view)
-        picture.stage.set_camera(camera_at_nine())
-        image = picture.image()
-        for point in nine_points():
-            assert np.abs(image[picture.pixel(point)].astype(int) - colour).max() <= 1
+    image = picture.image()
+    for point in nine_points():
+        assert np.abs(image[picture.pixel(point)].astype(int) - MISSING["light"]).max() <= 1
+
+
+@pytest.mark.parametrize("orthographic", [False, True])
+def test_plain_points_fade_with_depth(build: Build, picture: Picture, orthographic: bool) -> None:
+    xyz = nine_points()
+    xyz[:, 1] += np.linspace(0, 2, 9)
+    project, key = build(xyz)
+    picture.show(project, ViewState(key, point_size=3))
+    picture.stage.set_camera(make_orthographic(camera_at_nine(), orthographic))
+    image = picture.image()
+    shown = np.array([image[picture.pixel(point)] for point in xyz]).astype(float)
+    plain, haze = np.array(PLAIN["light"]), np.array(BACKGROUNDS["light"][1])
+    share = ((shown - plain) / (haze - plain)).mean(axis=1)
+    assert np.allclose(shown, plain + share[:, None] * (haze - plain), atol=1)
+    assert share[0] == pytest.approx(0, abs=0.04)
+    assert share[-1] == pytest.approx(HAZE, abs=0.04)
+    assert np.allclose(np.diff(share), HAZE / 8, atol=0.015)
 
 
 def test_points_that_are_not_finite_are_left_out(build: Build, picture: Picture) -> None:
@@ -177,18 +187,19 @@ def test_deleted_points_go_and_come_back(build: Build, picture: Picture) -> None
 
 
 def test_selection_changes_colours_and_nothing_else(build: Build, picture: Picture) -> None:
-    project, key = build(nine_points())
-    view = ViewState(key, point_size=3)
+    project, key = build(nine_points(), {"v": np.zeros(9)})
+    view = ViewState(key, colour="v", ranges={"v": ColourRange(0, 1)}, point_size=3)
     picture.show(project, view)
     picture.stage.set_camera(camera_at_nine())
     project.do(Select(key, PointSet([4])))
     assert picture.show(project, view) == {"overlay"}
     image = picture.image()
     strength = SELECTED_COLOUR[3] / 255
-    mixed = (1 - strength) * np.array(PLAIN["light"]) + strength * np.array(SELECTED_COLOUR[:3])
+    plain = colour_table("cividis")[0, :3]
+    mixed = (1 - strength) * plain + strength * np.array(SELECTED_COLOUR[:3])
     row, column = picture.pixel(nine_points()[4])
     assert np.abs(image[row, column] - mixed).max() <= 1.5
-    assert np.abs(image[picture.pixel(nine_points()[0])] - PLAIN["light"]).max() <= 1
+    assert np.abs(image[picture.pixel(nine_points()[0])] - plain.astype(int)).max() <= 1
 
 
 def test_refining_step_by_step_gives_the_same_picture_as_drawing_all(

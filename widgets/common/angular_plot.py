@@ -15,8 +15,7 @@ from app.core.units import to_radians
 from widgets.common.angular_points import AngularPoints
 from widgets.common.plots import ORANGE, DensityImage, Plot, mix
 
-STEEPEST_TICKS = range(0, 91, 15)
-DRAWN = 89.9
+STEEPEST_DRAWN = 89.9
 TICKS = range(0, 91, 15)
 DRAWN = np.linspace(0.0, STEEPEST_DRAWN, 361)
 

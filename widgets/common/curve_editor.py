@@ -126,8 +126,7 @@ class CurveEditor(QWidget):
             return self.tr("This curve was not fitted; the sliders move it.")
         low, high = (math.degrees(angle) for angle in result.angle_range)
         return self.tr(
-            "Fitted to {n} values at {low}° to {high}°: "
-            "rss {rss}, RMSE {rmse}, R² {r2}"
+            "Fitted to {n} values at {low}° to {high}°: rss {rss}, RMSE {rmse}, R² {r2}"
         ).format(
             n=show_count(result.n),
             low=show_number(low, 1),

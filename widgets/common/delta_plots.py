@@ -70,7 +70,7 @@ class DeltaHistogram(Plot):
         outer = np.abs(to_degrees(np.array(spread.quantiles))).max()
         reach = max(limit, float(outer)) + 2.0
         self.setXRange(-reach, reach, padding=0.0)
-        self.setYRange(0.0, 108 * float(spread.fraction.max()), padding=0.0)
+        self.setYRange(0.0, 125 * float(spread.fraction.max()), padding=0.0)
 
     def _name_lines(self) -> None:
         self._legend.clear()

@@ -1,13 +1,13 @@
-"""A sentence in a panel that says what is missing, and a button that does something about it."""
+"""A sentence in place of what cannot be shown yet, with the button that helps."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 
 class Notice(QFrame):
-    """Hidden as long as there is nothing to say.
+    """Says in words what is missing and what to do; hidden when there is nothing to say.
 
     Signals
     -------
@@ -19,23 +19,27 @@ class Notice(QFrame):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        # The style sheet of the window gives this property its ground.
+        self.setProperty("notice", "info")
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Maximum)
         self._label = QLabel(self)
         self._label.setWordWrap(True)
+        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.button = QPushButton(self)
+        self.button.setProperty("primary", "true")
         self.button.clicked.connect(self.clicked)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._label)
-        layout.addWidget(self.button)
+        layout.addWidget(self.button, 0, Qt.AlignmentFlag.AlignLeft)
         self.say("")
 
     @property
     def text(self) -> str:
-        """What it says; empty when it is hidden."""
+        """What is said; empty when it is hidden."""
         return self._label.text()
 
     def say(self, text: str, action: str = "") -> None:
-        """Say something, with a button titled `action` if there is one; an empty text hides."""
+        """Show a sentence, and a button if there is something to press; nothing hides both."""
         self._label.setText(text)
         self.button.setText(action)
         self.button.setVisible(bool(action))

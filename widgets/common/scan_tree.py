@@ -40,6 +40,7 @@ class ScanTree(QTreeWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._shape: object = None
+        self._current: str | None = None
         self.setAccessibleName(self.tr("Open scans"))
         self.setHeaderLabels([self.tr("Scan"), self.tr("Shown / total")])
         self.headerItem().setTextAlignment(1, Qt.AlignmentFlag.AlignRight)
@@ -75,6 +76,11 @@ class ScanTree(QTreeWidget):
                 self._build(open_scans, samples)
             for item in self.items():
                 self._update(item, open_scans, hidden, current)
+            if current != self._current or not self.selectedItems():
+                self._current = current
+                for item in self.items():
+                    if item.data(0, KEY) == current:
+                        self.setCurrentItem(item)
 
     def _build(
         self, scans: dict[str, ScanState], samples: dict[str, tuple[str, tuple[str, ...]]]
@@ -114,8 +120,6 @@ class ScanTree(QTreeWidget):
         font = item.font(0)
         font.setBold(key == current)
         item.setFont(0, font)
-        if key == current and not self.selectedItems():
-            self.setCurrentItem(item)
 
     def _on_current(self, item: QTreeWidgetItem | None, _: QTreeWidgetItem | None) -> None:
         if item is not None and self._is_scan(item):

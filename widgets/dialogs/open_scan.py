@@ -63,6 +63,7 @@ class FileDialogs(QObject):
     def _dialog(self, title: str, filters: list[str], parent: QWidget | None = None) -> QFileDialog:
         dialog = QFileDialog(parent or self._window, title, str(self.folder))
         dialog.setObjectName("files")
+        dialog.setOption(QFileDialog.Option.HideNameFilterDetails)
         dialog.setNameFilters(filters)
         dialog.finished.connect(dialog.deleteLater)
         return dialog

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QLabel, QListWidget, QListWidgetItem, QVBoxLayout,
 from app.model.events import Change
 from widgets.common.numbers import show_count
 from widgets.common.panel import Panel
+from widgets.common.step_titles import title_steps
 from widgets.controller import Controller
 from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
@@ -54,10 +55,8 @@ class HistoryPanel(Panel):
             shown = (*map(id, done), None, *map(id, undone))
             if shown != self._shown:
                 self._shown = shown
-                self._list_steps(
-                    [self.tr("Start")] + [step.title for step in done],
-                    [step.title for step in undone],
-                )
+                titles = [self.tr("Start"), *title_steps((*done, *undone))]
+                self._list_steps(titles, len(done) + 1)
             self.list.setCurrentRow(len(done))
         self.list.scrollToItem(self.list.item(len(done)))
         on_disk = history.on_disk
@@ -73,13 +72,13 @@ class HistoryPanel(Panel):
         self._shown = ()
         self.refresh_soon()
 
-    def _list_steps(self, done: list[str], undone: list[str]) -> None:
+    def _list_steps(self, titles: list[str], done: int) -> None:
         self.list.clear()
         grey = self.palette().brush(QPalette.ColorRole.PlaceholderText)
-        for number, title in enumerate(done + undone):
+        for number, title in enumerate(titles):
             item = QListWidgetItem(title)
             item.setToolTip(title)
-            if number >= len(done):
+            if number >= done:
                 item.setForeground(grey)
                 font = item.font()
                 font.setItalic(True)

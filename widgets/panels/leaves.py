@@ -100,16 +100,17 @@ class LeavesPanel(Panel):
             (
                 self.find_button,
                 self.new_button,
-                self.select_button,
                 self.merge_button,
                 self.remove_button,
+                self.select_button,
                 self.export_button,
             )
         ):
-            buttons.addWidget(button, place // 3, place % 3)
+            buttons.addWidget(button, place // 2, place % 2)
         layout = QVBoxLayout(self)
         layout.addWidget(self.notice)
         layout.addWidget(self.table, 1)
+        layout.addStretch(0)
         layout.addLayout(buttons)
 
     def _connect(self) -> None:

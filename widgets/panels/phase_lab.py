@@ -68,6 +68,7 @@ class PhaseLabPanel(Panel):
             self.tr("Read angles from intensity by this curve: wrinkles and Δω rest on it")
         )
         self.in_use.setWordWrap(True)
+        self.fit_button.setProperty("primary", "true")
         buttons = QHBoxLayout()
         buttons.addWidget(self.fit_button)
         buttons.addWidget(self.use_button)
@@ -118,6 +119,8 @@ class PhaseLabPanel(Panel):
         self.notice.say(missing, action)
         self.editor.setVisible(not missing)
         self.fit_button.setEnabled(not missing)
+        for widget in (self.choice, self.fit_button, self.use_button, self.in_use):
+            widget.setVisible(state is not None)
         if not missing:
             self._follow_document()
             self._gather()

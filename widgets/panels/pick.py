@@ -6,16 +6,9 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QHeaderView,
-    QPushButton,
-    QTableWidget,
-    QTableWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QPushButton, QVBoxLayout, QWidget
 
+from widgets.common.fact_table import FactTable
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel
 from widgets.controller import Controller
@@ -38,17 +31,8 @@ class PickPanel(Panel):
         self.setWindowTitle(self.tr("Point"))
         self._values: list[tuple[str, str, str]] = []
         self.notice = Notice(self)
-        self.table = QTableWidget(0, 3, self)
-        self.table.setAccessibleName(self.tr("Values of the picked point"))
-        self.table.setHorizontalHeaderLabels([self.tr("Name"), self.tr("Value"), self.tr("Unit")])
-        self.table.verticalHeader().hide()
-        self.table.setShowGrid(False)
-        self.table.setAlternatingRowColors(True)
-        self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
-        header = self.table.horizontalHeader()
-        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        titles = (self.tr("Name"), self.tr("Value"), self.tr("Unit"))
+        self.table = FactTable(self.tr("Values of the picked point"), titles, self)
         self.copy_button = QPushButton(self.tr("&Copy as table"), self)
         self.copy_button.setToolTip(self.tr("Names, values and units, separated by tabs"))
         self.copy_button.clicked.connect(self.copy)
@@ -59,6 +43,7 @@ class PickPanel(Panel):
         layout.addWidget(self.notice)
         layout.addWidget(self.table, 1)
         layout.addWidget(self.copy_button, 0, Qt.AlignmentFlag.AlignLeft)
+        layout.addStretch(0)
 
     def set_values(self, values: Sequence[tuple[str, str | float | int, str]]) -> None:
         """Show names, values and units; an empty sequence clears the panel."""
@@ -73,15 +58,7 @@ class PickPanel(Panel):
         )
         self.table.setVisible(not empty)
         self.copy_button.setVisible(not empty)
-        self.table.setRowCount(len(self._values))
-        for row, texts in enumerate(self._values):
-            for column, text in enumerate(texts):
-                item = QTableWidgetItem(text)
-                if column == 1:
-                    item.setTextAlignment(
-                        Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-                    )
-                self.table.setItem(row, column, item)
+        self.table.show_rows(self._values)
 
     def copy(self) -> None:
         """Put the table on the clipboard, a line per value, separated by tabs."""

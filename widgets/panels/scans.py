@@ -6,12 +6,9 @@ import msgspec
 from PySide6.QtCore import QItemSelectionModel, Qt, Signal
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QHBoxLayout,
-    QHeaderView,
+    QGridLayout,
     QLabel,
     QPushButton,
-    QTableWidget,
-    QTableWidgetItem,
     QVBoxLayout,
     QWidget,
 )
@@ -21,6 +18,7 @@ from app.model.operations import CloseScan, PutSample
 from app.model.scan import Channel, Pose, Scan
 from app.model.state import next_key
 from widgets.common.fact_grid import FactGrid
+from widgets.common.fact_table import FactTable
 from widgets.common.notice import Notice
 from widgets.common.numbers import show_count, show_number
 from widgets.common.panel import Panel, make_scrolling
@@ -64,7 +62,8 @@ class ScansPanel(Panel):
         self.close_button = QPushButton(self.tr("&Close scan"), self)
         self.facts = FactGrid(self)
         self.origin_button = QPushButton(self.tr("Set &position…"), self)
-        self.channels = QTableWidget(0, 3, self)
+        titles = (self.tr("Channel"), self.tr("λ (nm)"), self.tr("Kind"))
+        self.channels = FactTable(self.tr("Channels of the current scan"), titles, self)
         self.channel_button = QPushButton(self.tr("&Edit channel…"), self)
         self.warnings = QLabel(self)
         self._dress()
@@ -74,17 +73,7 @@ class ScansPanel(Panel):
     def _dress(self) -> None:
         line = self.fontMetrics().height()
         self.tree.setMinimumHeight(TREE_LINES * line)
-        table = self.channels
-        table.setAccessibleName(self.tr("Channels of the current scan"))
-        table.setHorizontalHeaderLabels([self.tr("Channel"), self.tr("λ (nm)"), self.tr("Kind")])
-        table.verticalHeader().hide()
-        table.setShowGrid(False)
-        table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
-        table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        header = table.horizontalHeader()
-        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.channels.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.warnings.setWordWrap(True)
         self.group_button.setToolTip(
             self.tr("Two or more scans of the same sample, taken by different instruments")
@@ -93,10 +82,10 @@ class ScansPanel(Panel):
         self.channel_button.setToolTip(self.tr("Say which wavelength and what kind of number"))
 
     def _arrange(self) -> None:
-        buttons = QHBoxLayout()
-        for button in (self.group_button, self.ungroup_button, self.close_button):
-            buttons.addWidget(button)
-        buttons.addStretch(1)
+        buttons = QGridLayout()
+        buttons.addWidget(self.group_button, 0, 0)
+        buttons.addWidget(self.ungroup_button, 0, 1)
+        buttons.addWidget(self.close_button, 1, 0)
         self.body = QWidget(self)
         inner = QVBoxLayout(self.body)
         inner.setContentsMargins(0, 0, 0, 0)
@@ -175,7 +164,7 @@ class ScansPanel(Panel):
 
     def _tell_pose(self, pose: Pose | None) -> str:
         if pose is None:
-            return self.tr("unknown: no angles, no ghosts, no wrinkles without it")
+            return self.tr("unknown (angles need it)")
         known_by = {
             "file": self.tr("from the file"),
             "given": self.tr("given by you"),
@@ -193,19 +182,13 @@ class ScansPanel(Panel):
             "reflectance": self.tr("reflectance"),
         }
         kept = table.currentRow()
-        table.setRowCount(len(channels))
-        for row, channel in enumerate(channels):
+        rows, tips = [], []
+        for channel in channels:
             nm = channel.wavelength_nm
             wavelength = self.tr("unknown") if nm is None else f"{nm:g}"
-            texts = (channel.name, wavelength, kinds[channel.kind])
-            for column, text in enumerate(texts):
-                item = QTableWidgetItem(text)
-                item.setToolTip(channel.calibration or self.tr("as the file holds it"))
-                if column == 1:
-                    item.setTextAlignment(
-                        Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-                    )
-                table.setItem(row, column, item)
+            rows.append((channel.name, wavelength, kinds[channel.kind]))
+            tips.append(channel.calibration or self.tr("as the file holds it"))
+        table.show_rows(rows, tips)
         if channels:
             # Current, so that the button knows its channel, without shouting it.
             place = table.model().index(min(max(kept, 0), len(channels) - 1), 0)

@@ -104,7 +104,7 @@ class WrinklesPanel(Panel):
         self.title.setText("" if leaf is None else f"<b>{leaf.name}</b>")
         self.title.setVisible(leaf is not None)
         self.notice.say(missing, action)
-        self.colour_button.setEnabled(not missing)
+        self.colour_button.setVisible(not missing)
         self.colour_button.setChecked(self.controller.view.colour == FIELD)
         if missing or leaf is None:
             self.body.setVisible(False)
@@ -185,6 +185,12 @@ class WrinklesPanel(Panel):
             self.tr("edge-on {angle}°").format(angle=show_signed(limit, 0)),
         )
         self.facts.show_facts(self._list_facts(seen))
+        self.facts.setToolTip(
+            self.tr(
+                "Doubtful: near face-on and beyond 60° intensity says little about the angle. "
+                "Off the curve: the curve in use nowhere has that intensity."
+            )
+        )
 
     def _list_facts(self, seen: SeenLeaf) -> list[tuple[str, str]]:
         spread = seen.spread
@@ -207,13 +213,13 @@ class WrinklesPanel(Panel):
             (self.tr("Peaks of Δω"), self._tell_modes(modes, len(spread.modes))),
             (
                 self.tr("Points"),
-                self.tr("{n}, and {m} whose intensity is not on the curve").format(
+                self.tr("{n}, {m} more are off the curve").format(
                     n=show_count(spread.count), m=show_count(spread.undefined)
                 ),
             ),
             (
-                self.tr("Doubtful"),
-                self.tr("{share} % (pale): face-on or beyond 60° intensity says little").format(
+                self.tr("Doubtful (pale)"),
+                self.tr("{share} % of the points").format(
                     share=show_number(100 * seen.doubtful, 0)
                 ),
             ),

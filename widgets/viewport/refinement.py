@@ -9,6 +9,7 @@ from app.render.stage import Stage
 from widgets.viewport.canvas import Canvas
 
 REST_MS = 160
+PATIENCE = 2.5  # a step at rest may take longer: each costs a copy to the screen
 
 
 class Refinement(QObject):
@@ -62,7 +63,8 @@ class Refinement(QObject):
     def _show_more(self) -> None:
         blocks = self._stage.blocks
         largest, total = self._stage.points_of_largest()
-        allowed = self.budget.points * largest / max(total, 1)
+        patience = 1.0 if self._held or self._next == 0 else PATIENCE
+        allowed = patience * self.budget.points * largest / max(total, 1)
         more = count_blocks(blocks, allowed, self._next)
         self._pending = self._stage.show_blocks(self._next, self._next + more)
         self._next += more

@@ -89,7 +89,7 @@ def test_points_are_drawn_where_the_view_says(
         x, y = project_points(xyz[None], now.origin, now.matrix, now.size).px[0]
         scale = view.devicePixelRatioF()
         assert now.size == (round(view.width() * scale), round(view.height() * scale))
-        assert len(found) == (1 if scale == 1 else 4)
+        assert 1 <= len(found) <= np.ceil(scale) ** 2
         assert np.abs(found.mean(axis=0) + 0.5 - (y, x)).max() <= 1.0
         show(view, Project(), state)
 

@@ -1,0 +1,139 @@
+"""The table of actions, row by row."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+import pytest
+from PySide6.QtGui import QKeySequence
+from PySide6.QtWidgets import QToolButton
+
+from app.model.operations import Select
+from app.model.points import PointSet
+from widgets.action_rows import list_rows
+from widgets.main_window import MainWindow
+from widgets.menus import TITLES
+
+pytestmark = pytest.mark.window
+
+ROWS = list_rows()
+# What an action needs before it can be used; everything else but the always possible: a scan.
+ALWAYS = {
+    "file.new", "file.open", "file.demo", "file.quit", "tool.navigate", "view.leaves",
+    "view.ghosts", "view.full_screen", "view.reset_layout", "theme.system", "theme.light",
+    "theme.dark", "help.guide", "help.keys", "help.about",
+}  # fmt: skip
+SELECTION = {"edit.clear", "edit.delete", "scan.make_leaf"}
+LATER = {"edit.redo", "edit.bring_back"}
+Put = Callable[..., str]
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.id)
+def test_row_is_in_its_menu_with_its_keys_and_words(shell: MainWindow, row) -> None:
+    action = shell.table.actions[row.id]
+    titles = dict(TITLES)
+    menu = next(a.menu() for a in shell.menuBar().actions() if a.text() == titles[row.menu])
+    assert action in menu.actions()
+    assert [k.toString() for k in action.shortcuts()] == [
+        QKeySequence(keys).toString() for keys in row.keys
+    ]
+    assert action.text() and action.toolTip()
+    assert bool(row.icon) == (not action.icon().isNull())
+    assert action.isCheckable() == (row.checked is not None)
+    if row.bar:
+        assert not action.icon().isNull()
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.id)
+def test_row_is_enabled_when_it_makes_sense(shell: MainWindow, put_scan: Put, row) -> None:
+    action = shell.table.actions[row.id]
+    assert action.isEnabled() == (row.id in ALWAYS)
+    key = put_scan(shell)
+    assert action.isEnabled() == (row.id not in SELECTION | LATER)
+    shell.controller.do(Select(key, PointSet([1, 2])))
+    assert action.isEnabled() == (row.id not in LATER)
+
+
+def test_ids_keys_and_mnemonics_are_unique() -> None:
+    assert max(Counter(row.id for row in ROWS).values()) == 1
+    keys = Counter(QKeySequence(keys).toString() for row in ROWS for keys in row.keys)
+    assert [k for k, n in keys.items() if n > 1] == []
+    for menu, _ in TITLES:
+        texts = [row.text for row in ROWS if row.menu == menu]
+        letters = Counter(t[t.index("&") + 1].lower() for t in texts if "&" in t)
+        assert [k for k, n in letters.items() if n > 1] == [], menu
+
+
+def test_every_bar_action_has_a_button(shell: MainWindow) -> None:
+    shown = {b.defaultAction() for b in shell.bar.findChildren(QToolButton)}
+    assert {a for a in shell.table.actions.values() if a.row.bar} <= shown
+
+
+def test_one_of_a_group_is_checked(shell: MainWindow, put_scan: Put) -> None:
+    put_scan(shell)
+    for row in ROWS:
+        if row.group:
+            shell.table.actions[row.id].trigger()
+            checked = [r.id for r in ROWS if r.group == row.group
+                       and shell.table.actions[r.id].isChecked()]  # fmt: skip
+            assert checked == [row.id]
+
+
+def test_tools_follow_the_actions(shell: MainWindow, put_scan: Put) -> None:
+    put_scan(shell)
+    trigger = shell.table.actions
+    trigger["lasso.ghost"].trigger()
+    assert (shell.tools.tool, shell.tools.purpose) == ("lasso", "ghost")
+    trigger["reach.toggle"].trigger()
+    assert shell.tools.mode == "through"
+    assert trigger["reach.through"].isChecked()
+    trigger["scan.next_leaf"].trigger()
+    assert shell.tools.purpose == "leaf"
+    assert trigger["lasso.leaf"].isChecked()
+    trigger["tool.navigate"].trigger()
+    assert shell.tools.tool == "navigate"
+
+
+def test_edits_go_through_the_history(shell: MainWindow, put_scan: Put) -> None:
+    key = put_scan(shell)
+    project, trigger = shell.controller.project, shell.table.actions
+    total = len(project.state.scan(key).scan)
+    shell.controller.do(Select(key, PointSet(range(10))))
+    trigger["edit.invert"].trigger()
+    assert len(project.state.scan(key).selection) == total - 10
+    trigger["edit.delete"].trigger()
+    assert project.state.scan(key).shown == 10
+    trigger["edit.bring_back"].trigger()
+    assert project.state.scan(key).shown == total
+    trigger["edit.undo"].trigger()
+    assert project.state.scan(key).shown == 10
+    assert trigger["edit.redo"].isEnabled()
+    trigger["edit.undo"].trigger()
+    trigger["scan.make_leaf"].trigger()
+    (leaf,) = project.state.leaves.values()
+    assert len(leaf.members) == total - 10
+    trigger["edit.clear"].trigger()
+    assert len(project.state.scan(key).selection) == 0
+    trigger["file.close_scan"].trigger()
+    assert shell.controller.current is None
+
+
+def test_view_actions_change_the_view_only(shell: MainWindow, put_scan: Put) -> None:
+    put_scan(shell)
+    steps = len(shell.controller.project.history.done)
+    size = shell.controller.view.point_size
+    shell.table.actions["view.larger"].trigger()
+    assert shell.controller.view.point_size == size + 1
+    for _ in range(9):
+        shell.table.actions["view.smaller"].trigger()
+    assert shell.controller.view.point_size == 1.0
+    shell.table.actions["view.leaves"].trigger()
+    assert shell.controller.view.show_leaves
+    assert len(shell.controller.project.history.done) == steps
+
+
+def test_list_of_keys_names_every_shortcut(shell: MainWindow) -> None:
+    text = shell.table.describe_keys()
+    assert text.count("\n| ") >= sum(bool(row.keys) for row in ROWS)
+    assert "| Ctrl+O | Open |" in text

@@ -1,0 +1,50 @@
+"""Small tables of facts: name, number, words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHeaderView,
+    QTableWidget,
+    QTableWidgetItem,
+    QWidget,
+)
+
+SIDES = (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight, Qt.AlignmentFlag.AlignLeft)
+
+
+class FactTable(QTableWidget):
+    """Three columns: names to the left, numbers to the right, words to the left."""
+
+    def __init__(self, name: str, titles: Sequence[str], parent: QWidget | None = None) -> None:
+        super().__init__(0, len(titles), parent)
+        self.setAccessibleName(name)
+        for column, title in enumerate(titles):
+            self.setHorizontalHeaderItem(column, _make_item(title, column))
+        self.verticalHeader().hide()
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+
+    def show_rows(self, rows: Sequence[Sequence[str]], tips: Sequence[str] = ()) -> None:
+        """Show rows of texts, each with a tool tip if there are any."""
+        self.setRowCount(len(rows))
+        for row, texts in enumerate(rows):
+            for column, text in enumerate(texts):
+                item = _make_item(text, column)
+                item.setToolTip(tips[row] if tips else text)
+                self.setItem(row, column, item)
+
+
+def _make_item(text: str, column: int) -> QTableWidgetItem:
+    item = QTableWidgetItem(text)
+    item.setTextAlignment(SIDES[column] | Qt.AlignmentFlag.AlignVCenter)
+    return item

@@ -1,0 +1,57 @@
+"""What the history calls each step; a change of parameters says which one and to what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from PySide6.QtCore import QCoreApplication
+
+from app.core.phase import MODELS
+from app.core.units import to_mm
+from app.model.operations import AnyOperation, SetParameters, describe_parameters
+from app.model.parameters import Curve, Parameters
+
+
+def title_steps(steps: Iterable[AnyOperation]) -> list[str]:
+    """Titles of steps, oldest first, which must begin with the first of the session."""
+    before: dict[str, Parameters] = {}
+    titles = []
+    for step in steps:
+        if isinstance(step, SetParameters):
+            old = before.get(step.scan, Parameters())
+            titles.append(title_parameters(old, step.parameters) or step.title)
+            before[step.scan] = step.parameters
+        else:
+            titles.append(step.title)
+    return titles
+
+
+def title_parameters(old: Parameters, new: Parameters) -> str:
+    """What changed between two sets of parameters; empty when nothing did."""
+    changes = describe_parameters(old, new)
+    return ", ".join(_title(name, value) for name, (_, value) in changes.items())
+
+
+def _title(name: str, value: object) -> str:
+    match name, value:
+        case "curve", Curve():
+            model = MODELS[value.model].title if value.model in MODELS else value.model
+            return _tr("Use curve {model} ({origin})").format(model=model, origin=value.origin)
+        case "curve", _:
+            return _tr("Use no curve")
+        case "ghost_threshold", float():
+            return _tr("Set ghost threshold to {value}").format(value=f"{value:.2f}")
+        case "radius", float():
+            return _tr("Set neighbour radius to {value} mm").format(value=f"{to_mm(value):g}")
+        case "plane_gate", float():
+            return _tr("Set plane gate to {value} mm").format(value=f"{to_mm(value):g}")
+        case "channel", _:
+            return _tr("Use channel {value}").format(value=value or _tr("first"))
+        case "formulas", _:
+            return _tr("Set formulas")
+        case _:
+            return _tr("Set {name}").format(name=name)
+
+
+def _tr(text: str) -> str:
+    return QCoreApplication.translate("StepTitles", text)
