@@ -162,7 +162,7 @@ def _view_rows() -> tuple[Row, ...]:
             lambda desk, on: desk.picture.set_orthographic(on), "view", ("O",), "ph.cube",
             bar="look", enabled=has_scan, checked=lambda d: d.picture.orthographic,
             tip=tr("Without perspective: equal lengths look equal")),
-        Row("view.leaves", tr("Colour &leaves"),
+        Row("view.leaves", tr("Colour lea&ves"),
             lambda desk, on: desk.controller.look(show_leaves=on), "view", section=1,
             checked=lambda d: d.controller.view.show_leaves),
         Row("view.ghosts", tr("Show &ghost marks"),
@@ -174,7 +174,7 @@ def _view_rows() -> tuple[Row, ...]:
             "view", ("[",), section=1, enabled=has_scan),
         Row("view.full_screen", tr("F&ull screen"),
             lambda desk, _: desk.views.toggle_full_screen(), "view", ("F11",), section=3),
-        Row("view.reset_layout", tr("Reset la&yout"), lambda desk, _: desk.views.reset_layout(),
+        Row("view.reset_layout", tr("Rese&t layout"), lambda desk, _: desk.views.reset_layout(),
             "view", section=3, tip=tr("Put every panel back to its place")),
     )  # fmt: skip
 

@@ -32,10 +32,16 @@ def lambert_beckmann(angle: np.ndarray, f: float, k_d: float, m: float) -> np.nd
 
 def build_scan(name: str = "bent leaf", pose: bool = True) -> Scan:
     """A leaf on an upright cylinder, seen from the origin; behind it a wall."""
-    row, column = (a.ravel() for a in np.meshgrid(range(len(HEIGHT)), range(len(SIDE)), indexing="ij"))
+    row, column = (
+        a.ravel() for a in np.meshgrid(range(len(HEIGHT)), range(len(SIDE)), indexing="ij")
+    )
     azimuth, elevation = SIDE[column], HEIGHT[row]
     beam = np.column_stack(
-        (np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation))
+        (
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        )
     )
     # |p - centre| in the horizontal plane equals the radius: a quadratic in the range.
     centre = DISTANCE + RADIUS
@@ -49,21 +55,27 @@ def build_scan(name: str = "bent leaf", pose: bool = True) -> Scan:
     mixed = ~on_leaf & (side < BORDER)
     wall = WALL / beam[:, 0]
     chance = np.random.default_rng(1)
-    distance = np.where(on_leaf, distance, np.where(mixed, chance.uniform(3.05, 3.2, len(beam)), wall))
+    distance = np.where(
+        on_leaf, distance, np.where(mixed, chance.uniform(3.05, 3.2, len(beam)), wall)
+    )
     xyz = beam * distance[:, None]
     normal = np.column_stack((xyz[:, 0] - centre, xyz[:, 1], np.zeros(len(xyz)))) / RADIUS
     angle = np.where(on_leaf, np.arccos(np.clip(-(normal * beam).sum(axis=1), -1, 1)), 0.2)
     light = lambert_beckmann(angle, **TRUTH)
     noise = chance.normal(1.0, 0.01, (2, len(light)))
-    return Scan(
-        name,
-        xyz,
-        {"near": light * noise[0], "far": 0.5 * light * noise[1], "true_deg": np.rad2deg(angle),
-         "on_leaf": on_leaf.astype(np.float64)},
-        (Channel("near", "near", 1063.0, "reflectance"), Channel("far", "far", 1545.0, "reflectance")),
-        Pose((0.0, 0.0, 0.0), known_by="given") if pose else None,
-        Grid(len(HEIGHT), len(SIDE), row.astype(np.int32), column.astype(np.int32)),
-    )  # fmt: skip
+    attributes = {
+        "near": light * noise[0],
+        "far": 0.5 * light * noise[1],
+        "true_deg": np.rad2deg(angle),
+        "on_leaf": on_leaf.astype(np.float64),
+    }
+    channels = (
+        Channel("near", "near", 1063.0, "reflectance"),
+        Channel("far", "far", 1545.0, "reflectance"),
+    )
+    position = Pose((0.0, 0.0, 0.0), known_by="given") if pose else None
+    grid = Grid(len(HEIGHT), len(SIDE), row.astype(np.int32), column.astype(np.int32))
+    return Scan(name, xyz, attributes, channels, position, grid)
 
 
 @dataclass
@@ -124,3 +136,8 @@ def opened(desk: Desk) -> Desk:
     """A desk with the bent leaf open and its halves as two leaves."""
     desk.make_halves(desk.open(build_scan()))
     return desk
+
+
+@pytest.fixture
+def make_scan() -> Callable[..., Scan]:
+    return build_scan

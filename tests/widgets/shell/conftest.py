@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,9 +18,10 @@ from widgets.main_window import MainWindow
 from widgets.theme import ThemeSwitch
 
 SIDE = 24
+AT_ORIGIN = Pose((0.0, 0.0, 0.0))
 
 
-def make_scan(pose: Pose | None = Pose((0.0, 0.0, 0.0))) -> Scan:
+def make_scan(pose: Pose | None = AT_ORIGIN) -> Scan:
     """A plane at 2 m, seen through a grid, with two channels."""
     row, column = np.divmod(np.arange(SIDE * SIDE), SIDE)
     y, z = (column - SIDE / 2) * 0.002, (SIDE / 2 - row) * 0.002
@@ -39,6 +41,24 @@ def make_scan(pose: Pose | None = Pose((0.0, 0.0, 0.0))) -> Scan:
     )
 
 
+@contextmanager
+def open_shell(theme: ThemeSwitch) -> Iterator[MainWindow]:
+    """A window that loads nothing slow, put away at the end."""
+    window = MainWindow(theme)
+    window._later.stop()
+    yield window
+    window._agreed_to_close = True
+    window.close()
+    window.deleteLater()
+
+
+@pytest.fixture(scope="module")
+def shared_shell(theme: ThemeSwitch) -> Iterator[MainWindow]:
+    """One window for many tests that only look at it."""
+    with open_shell(theme) as window:
+        yield window
+
+
 @pytest.fixture(scope="session")
 def theme(qapp: QApplication) -> ThemeSwitch:
     return ThemeSwitch(qapp)
@@ -47,13 +67,9 @@ def theme(qapp: QApplication) -> ThemeSwitch:
 @pytest.fixture
 def shell(qtbot: QtBot, theme: ThemeSwitch, tmp_path: Path) -> Iterator[MainWindow]:
     """The window as it is before what is slow was loaded."""
-    window = MainWindow(theme)
-    window._later.stop()
-    window.desk.files.dialogs.folder = tmp_path
-    yield window
-    window._agreed_to_close = True
-    window.close()
-    window.deleteLater()
+    with open_shell(theme) as window:
+        window.desk.files.dialogs.folder = tmp_path
+        yield window
     theme.apply("light")
 
 
@@ -67,11 +83,11 @@ def window(shell: MainWindow, qtbot: QtBot) -> MainWindow:
     return shell
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def put_scan() -> Callable[..., str]:
     """Put the small scan on a window's table; gives its key."""
 
-    def put(window: MainWindow, pose: Pose | None = Pose((0.0, 0.0, 0.0))) -> str:
+    def put(window: MainWindow, pose: Pose | None = AT_ORIGIN) -> str:
         (key,) = add_scans(window.controller.project, [make_scan(pose)])
         window.controller.look(current=key, colour="reflectance_1063")
         return key

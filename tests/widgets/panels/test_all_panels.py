@@ -1,0 +1,80 @@
+"""What every panel owes: a name, words for those who cannot see, the theme, patience."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QHeaderView,
+    QProgressBar,
+    QScrollBar,
+)
+
+from app.model.project import Project
+from app.model.view_state import ViewState
+from widgets.common.plots import Plot
+from widgets.panels.ghosts import GhostsPanel
+from widgets.panels.history import HistoryPanel
+from widgets.panels.jobs import JobsPanel
+from widgets.panels.leaves import LeavesPanel
+from widgets.panels.phase_lab import PhaseLabPanel
+from widgets.panels.pick import PickPanel
+from widgets.panels.scans import ScansPanel
+from widgets.panels.wrinkles import WrinklesPanel
+
+PANELS = (GhostsPanel, HistoryPanel, JobsPanel, LeavesPanel, PhaseLabPanel, PickPanel, ScansPanel,
+          WrinklesPanel)  # fmt: skip
+SPEAKING = (QAbstractButton, QAbstractItemView, QAbstractSlider, QAbstractSpinBox, QComboBox,
+            QProgressBar, Plot)  # fmt: skip
+DARK = {"Window": "#22272d", "Base": "#191d22", "Text": "#e7ebee", "WindowText": "#e7ebee"}
+
+
+@pytest.mark.parametrize("kind", PANELS)
+def test_everything_has_a_name(opened, kind) -> None:
+    panel = opened.show(kind)
+    assert panel.objectName()
+    assert panel.windowTitle()
+    for kind_of_widget in SPEAKING:
+        for widget in panel.findChildren(kind_of_widget):
+            silent = isinstance(widget, (QScrollBar, QHeaderView)) or widget.isHidden()
+            if silent or not widget.parent():
+                continue
+            text = widget.text() if isinstance(widget, QAbstractButton) else ""
+            inner = widget.objectName().startswith("qt_") or type(widget.parent()) in (
+                QComboBox, QAbstractItemView,
+            )  # fmt: skip
+            corner = isinstance(widget.parent(), QAbstractItemView)
+            popup = widget.window() is not panel.window()
+            if not (inner or corner or popup):
+                assert widget.accessibleName() or text, f"{widget} in {panel.windowTitle()}"
+
+
+@pytest.mark.parametrize("kind", PANELS)
+def test_it_follows_the_theme_and_another_document(opened, kind, qtbot) -> None:
+    panel = opened.show(kind)
+    palette = QPalette(panel.palette())
+    for role, colour in DARK.items():
+        palette.setColor(getattr(QPalette.ColorRole, role), QColor(colour))
+    panel.setPalette(palette)
+    for plot in panel.findChildren(Plot):
+        assert plot.backgroundBrush().color() == QColor(DARK["Base"])
+        assert plot.getAxis("left").textPen().color() == QColor(DARK["Text"])
+    opened.controller.adopt(Project(), ViewState())
+    qtbot.wait(20)
+    assert not opened.controller.bridge.jobs
+
+
+@pytest.mark.parametrize("kind", PANELS)
+def test_a_panel_that_nobody_sees_computes_nothing(desk, kind, qtbot, make_scan) -> None:
+    panel = kind(desk.controller, desk.work, desk.documents)
+    qtbot.addWidget(panel)
+    key = desk.open(make_scan())
+    desk.make_halves(key)
+    qtbot.wait(20)
+    assert desk.controller.project.cache.computed(key) == {}
+    assert not desk.controller.bridge.jobs

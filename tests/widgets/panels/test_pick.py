@@ -1,0 +1,35 @@
+"""The pick panel shows values and copies them."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QGuiApplication
+
+from widgets.panels.pick import PickPanel
+
+VALUES = [("Point", 4711, ""), ("x", 2.5, "m"), ("Incidence angle", 23.25, "°")]
+
+
+def test_values_are_shown_and_copied(desk, qtbot) -> None:
+    panel = desk.show(PickPanel)
+    assert "Click a point" in panel.notice.text
+    assert not panel.table.isVisible()
+    panel.set_values(VALUES)
+    assert panel.table.rowCount() == 3
+    assert panel.table.item(2, 1).text() == "23.25"
+    assert panel.table.item(2, 1).textAlignment() & Qt.AlignmentFlag.AlignRight
+    wanted = "Point\t4711\t\nx\t2.5\tm\nIncidence angle\t23.25\t°"
+    qtbot.mouseClick(panel.copy_button, Qt.MouseButton.LeftButton)
+    assert QGuiApplication.clipboard().text() == wanted
+    QGuiApplication.clipboard().clear()
+    panel.table.setFocus()
+    qtbot.keyClick(panel.table, Qt.Key.Key_C, Qt.KeyboardModifier.ControlModifier)
+    assert QGuiApplication.clipboard().text() == wanted
+
+
+def test_no_values_clear_the_panel(desk, qtbot) -> None:
+    panel = desk.show(PickPanel)
+    panel.set_values(VALUES)
+    panel.set_values([])
+    assert "Click a point" in panel.notice.text
+    assert not panel.copy_button.isVisible()
