@@ -116,6 +116,7 @@ class MainWindow(QMainWindow):
         controller.failed.connect(self.tell)
         controller.document_changed.connect(self._follow_document)
         controller.view_changed.connect(table.refresh)
+        controller.view_changed.connect(self._tell_title)
         controller.scene_changed.connect(self._follow_scene)
         self.tools.changed.connect(table.refresh)
         self.documents.pose_proposed.connect(self._propose_pose)

@@ -57,13 +57,13 @@ class ViewDeeds(QObject):
 
     def show_guide(self) -> None:
         """Open the user guide."""
-        GuideDialog.of_guide(self._window).open()
+        GuideDialog.of_guide(self._window).show()
 
     def show_shortcuts(self) -> None:
         """List every action with its keys."""
         if self.table is not None:
             title = self.tr("Keyboard and mouse")
-            GuideDialog(title, self.table.describe_keys(), self._window).open()
+            GuideDialog(title, self.table.describe_keys(), self._window).show()
 
     def show_about(self) -> None:
         """Say what this is."""
@@ -71,4 +71,4 @@ class ViewDeeds(QObject):
             "# Leafscope {0}\n\nLaser scans of leaves: intensity, incidence angle, phase "
             "functions, wrinkle maps and ghost points.\n\nFree software under the BSD licence."
         )
-        GuideDialog(self.tr("About Leafscope"), text.format(__version__), self._window).open()
+        GuideDialog(self.tr("About Leafscope"), text.format(__version__), self._window).show()

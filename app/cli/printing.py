@@ -62,6 +62,9 @@ def print_info(found: Mapping[str, Any], as_json: bool) -> None:
         )
     if not found["channels"]:
         print("channels: none")
+    print(f"attributes: {', '.join(found['attributes']) or 'none'}")
+    for name, value in found["details"].items():
+        print(f"{name.replace('_', ' ')}: {value}")
     print(f"bounds: {_show(found['bounds'])}")
     print_warnings(found["warnings"])
 

@@ -3,17 +3,32 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints, finite_rows
-from app.core.chunks import CHUNK
+from app.core.chunks import CHUNK, run_in_pieces, split_evenly
 from app.core.errors import WrongUse
 from app.core.neighbours.asked import as_points
-from app.core.neighbours.grid import sort_grid
+from app.core.neighbours.grid import SortedGrid, sort_grid
 from app.core.neighbours.steps import ScanGrid, UnusableGrid
 from app.core.neighbours.voxel import sort_voxels
 from app.core.progress import QUIET, Progress
+
+if TYPE_CHECKING:
+    from app.core.kernels.segments import Beams
+
+NECK = 0.006
+"""Metres: strips narrower than this tie nothing together. Stalks are 1 to 5 mm, and look wider
+by the beam; on simulated branches 5 to 8 mm work alike."""
+REACH = NECK / 1.2
+"""Metres on either side of a point: there a strip of `NECK` fills `SOLID` of the window."""
+FRAMED = 0.8
+"""Share of its border with nearer surfaces above which a surface may be background in a gap."""
+ALL_NEARER = 0.95
+"""The same share without the border against no return. On scenes with truth, background has
+1.00, leaves have up to 0.93."""
 
 
 def segment_leaves(
@@ -24,8 +39,10 @@ def segment_leaves(
     """Label the connected surfaces that are neither too small nor too large for a leaf.
 
     On a grid, cells that touch belong together when their ranges differ by no more than
-    `jump`, or than a surface at 72° would let them. Without a grid or a scanner, points
-    belong together when their voxels of side `jump` touch.
+    `jump`, or than a surface at 72° would let them. What is then too large for a leaf is cut
+    where it is narrower than `NECK`, so that a leaf comes off its branch; background that
+    shows through a gap is no leaf. Without a grid or a scanner, points belong together when
+    their voxels of side `jump` touch; nothing is cut.
 
     Parameters
     ----------
@@ -65,7 +82,7 @@ def segment_leaves(
         if grid is None or scanner is None:
             raise UnusableGrid("the scan has no rows and columns, or no scanner")
         position = np.array(scanner, dtype=np.float64)
-        _label_on_grid(xyz, position, grid, usable, jump, raw, progress)
+        _label_on_grid(xyz, position, grid, usable, jump, largest, raw, progress)
     except UnusableGrid:
         _label_by_voxels(xyz, np.flatnonzero(usable), jump, raw)
     progress.report(0.9, "leaves")
@@ -73,26 +90,85 @@ def segment_leaves(
 
 
 def _label_on_grid(
-    xyz: Floats, scanner: Floats, grid: ScanGrid, usable: Bools, jump: float, raw: Ints,
-    progress: Progress,
+    xyz: Floats, scanner: Floats, grid: ScanGrid, usable: Bools, jump: float, largest: float,
+    raw: Ints, progress: Progress,
 ) -> None:  # fmt: skip
-    from app.core.kernels.segments import flatten_roots, join_cells
+    """Join what touches; cut what is too large at its necks; drop what others frame."""
+    from app.core.kernels.segments import grow_rims
 
     index = sort_grid(xyz, scanner, grid, None, np.empty(0))
-    kept = usable[index.member]
-    beams = np.stack([index.x, index.y, index.z], axis=1) - scanner
-    distance = np.linalg.norm(beams, axis=1)
-    parent = np.arange(len(index.member))
+    beams = _view_beams(index, scanner, usable, jump)
+    label = _join(beams, beams.usable, progress.part(0.0, 0.3))
+    large = _find_large(index, label, largest)
+    thick = _mark_solid(beams._replace(usable=large), progress.part(0.3, 0.6))
+    label[large] = -1
+    solid = _join(beams, thick, progress.part(0.6, 0.9))
+    grow_rims(beams._replace(usable=large), solid, REACH)
+    solid[_find_large(index, solid, largest)] = -1
+    label[large] = solid[large]
+    _drop_framed(beams, label)
+    raw[index.member] = label
+
+
+def _view_beams(index: SortedGrid, scanner: Floats, usable: Bools, jump: float) -> Beams:
+    from app.core.kernels.segments import Beams
+
+    place = np.stack([index.x, index.y, index.z], axis=1) - scanner
+    grid, steps, member = index.grid, index.steps, index.member
+    return Beams(
+        np.linalg.norm(place, axis=1), usable[member], grid.row[member], grid.column[member],
+        index.start, steps.down, steps.across, steps.seam, jump,
+    )  # fmt: skip
+
+
+def _join(beams: Beams, chosen: Bools, progress: Progress) -> Ints:
+    """Number of the first point of each chosen point's surface; -1 for the others."""
+    from app.core.kernels.segments import flatten_roots, join_cells
+
+    parent = np.arange(len(chosen))
     # One thread: the pieces write to one table of parents.
     for first in range(0, len(parent), CHUNK):
-        join_cells(
-            distance, kept, index.start, index.grid.row, index.grid.column, index.member, parent,
-            first, min(first + CHUNK, len(parent)),
-            index.steps.down, index.steps.across, index.steps.seam, jump,
-        )  # fmt: skip
-        progress.report(0.9 * first / len(parent), "leaves")
+        join_cells(beams, chosen, parent, first, min(first + CHUNK, len(parent)))
+        progress.report(first / len(parent), "leaves")
     flatten_roots(parent)
-    raw[index.member[kept]] = parent[kept]
+    return np.where(chosen, parent, -1)
+
+
+def _mark_solid(beams: Beams, progress: Progress) -> Bools:
+    from app.core.kernels.segments import mark_solid
+
+    solid = np.zeros(len(beams.distance), np.bool_)
+
+    def mark(first: int, last: int) -> None:
+        mark_solid(beams, REACH, solid, first, last)
+
+    run_in_pieces(mark, split_evenly(len(solid)), progress, "leaves")
+    return solid
+
+
+def _find_large(index: SortedGrid, label: Ints, largest: float) -> Bools:
+    """Points of surfaces whose box is too large for a leaf."""
+    from app.core.kernels.segments import measure_boxes
+
+    low = np.full((len(label), 3), np.inf)
+    high = np.full((len(label), 3), -np.inf)
+    measure_boxes(index.x, index.y, index.z, label, low, high)
+    large: Bools = (label >= 0) & (np.linalg.norm(high - low, axis=1) > largest)[label]
+    return large
+
+
+def _drop_framed(beams: Beams, label: Ints) -> None:
+    """Unlabel background that shows through a gap: nearer surfaces, and hardly others, frame it.
+
+    A leaf that others hide for the most part still shows farther surfaces beside it.
+    """
+    from app.core.kernels.segments import EMPTY, FARTHER, NEARER, count_borders
+
+    border = np.zeros((len(label), 4), np.int64)
+    count_borders(beams, label, border)
+    nearer, seen = border[:, NEARER], border[:, NEARER] + border[:, FARTHER]
+    framed = (nearer > FRAMED * (seen + border[:, EMPTY])) & (nearer > ALL_NEARER * seen)
+    label[(label >= 0) & framed[label]] = -1
 
 
 def _label_by_voxels(xyz: Floats, points: Ints, jump: float, raw: Ints) -> None:

@@ -38,6 +38,8 @@ def describe_scans(scans: list[Scan]) -> dict[str, Any]:
         "scanner": _common([part["scanner"] for part in parts]),
         "channels": _unique(c for part in parts for c in part["channels"]),
         "bounds": _join([part["bounds"] for part in parts if part["bounds"]]),
+        "attributes": _unique(a for part in parts for a in part["attributes"]),
+        "details": parts[0]["details"] if parts else {},
         "warnings": _unique(w for part in parts for w in part["warnings"]),
         "scans": [{"name": n, **part} for n, part in zip(names, parts, strict=True)],
     }
@@ -58,6 +60,8 @@ def _describe(scan: Scan) -> dict[str, Any]:
         "scanner": None if scan.pose is None else list(scan.pose.position),
         "channels": channels,
         "bounds": _bounds(scan.xyz[valid]),
+        "attributes": list(scan.attributes),
+        "details": dict(scan.metadata),
         "warnings": warnings,
     }
 

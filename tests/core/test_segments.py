@@ -80,6 +80,95 @@ def test_surfaces_connect_over_the_seam():
     assert np.array_equal(labels, np.where(ranges == 1.0, 0, -1))
 
 
+def make_canvas(step=1e-3, half=0.15):
+    """Beams onto a square of ± `half` rad, row by row, with their angles to the side and up."""
+    count = round(2 * half / step)
+    row, column = (a.ravel() for a in np.mgrid[:count, :count])
+    grid = SimpleNamespace(rows=count, columns=count, row=row, column=column)
+    return grid, (column + 0.5) * step - half, (row + 0.5) * step - half
+
+
+def label_ranges(ranges, grid, side, up, **options):
+    """Labels of points at these ranges; NaN is a beam without return."""
+    beams = np.stack([np.cos(up) * np.cos(side), np.cos(up) * np.sin(side), np.sin(up)], axis=1)
+    return segment_leaves(ranges[:, None] * beams, ORIGIN, grid, **options)
+
+
+@pytest.mark.parametrize("step", [2.5e-3, 1e-3, 0.4e-3])
+@pytest.mark.parametrize(("strip", "leaves"), [(0.004, 2), (0.016, 0)])
+def test_discs_on_a_thin_strip_are_two_leaves(step, strip, leaves):
+    grid, side, up = make_canvas(step, 0.08)
+    first, second = (np.hypot(side - at, up) < 0.02 for at in (-0.04, 0.04))
+    joint = (np.abs(side) < 0.04) & (np.abs(up) < max(strip / 2 / 2.0, 0.5 * step))
+    ranges = np.where(first | second | joint, 2.0, 3.0)
+    labels = label_ranges(ranges, grid, side, up, largest=0.2)
+    assert labels.max() + 1 == leaves
+    for disc in (first, second):
+        assert len(np.unique(labels[disc])) == 1
+    assert len({int(labels[first][0]), int(labels[second][0])}) == max(leaves, 1)
+    assert (labels[ranges == 3.0] == -1).all()
+
+
+def test_what_fits_a_leaf_is_not_cut():
+    grid, side, up = make_canvas()
+    leaf = np.hypot(side, up) < 0.02
+    stalk = (np.abs(side) < 0.001) & (up > 0) & (up < 0.06)
+    labels = label_ranges(np.where(leaf | stalk, 2.0, 3.0), grid, side, up)
+    assert np.array_equal(labels, np.where(leaf | stalk, 0, -1))
+
+
+def test_background_framed_by_a_nearer_ring_is_no_leaf():
+    grid, side, up = make_canvas()
+    away = np.hypot(side, up)
+    ring = (away > 0.05) & (away < 0.1)
+    ranges = np.where(ring, 2.0, 3.0)
+    assert (label_ranges(ranges, grid, side, up, largest=0.35) == -1).all()
+    bird = away < 0.02  # nearer than the ring that surrounds it
+    labels = label_ranges(np.where(bird, 1.5, ranges), grid, side, up, largest=0.35)
+    assert np.array_equal(labels, np.where(bird, 0, -1))
+
+
+def test_ghosts_on_the_frame_do_not_hide_it():
+    grid, side, up = make_canvas()
+    away = np.hypot(side, up)
+    ranges = np.where((away > 0.05) & (away < 0.1), 2.0, 3.0)
+    ghosts = np.abs(away - 0.05) < 0.0025
+    ranges[ghosts] = 2.5
+    labels = label_ranges(ranges, grid, side, up, largest=0.35, ghosts=ghosts)
+    assert (labels == -1).all()
+
+
+def test_edge_on_leaf_stays():
+    grid, side, up = make_canvas()
+    strip = (np.abs(side) < 0.003) & (np.abs(up) < 0.02)  # 6 cells wide
+    ranges = np.where(strip, 2.0 + 5.0 * side, 3.0)
+    assert np.array_equal(label_ranges(ranges, grid, side, up), np.where(strip, 0, -1))
+
+
+@pytest.mark.parametrize("behind", [3.0, np.nan])
+def test_partly_hidden_leaf_stays(behind):
+    grid, side, up = make_canvas()
+    leaf = np.hypot(side, up) < 0.025
+    ranges = np.where(leaf, 2.0, behind)
+    ranges[side < 0.0] = 1.0  # hides half of it, and is too large for a leaf
+    labels = label_ranges(ranges, grid, side, up, largest=0.2)
+    assert np.array_equal(labels, np.where(leaf & (side >= 0.0), 0, -1))
+
+
+def test_leaf_is_cut_off_over_the_seam():
+    columns = 360
+    row, column = (a.ravel() for a in np.mgrid[:40, :columns])
+    side, up = np.deg2rad(column), (row - 20) * 0.0175
+    leaf = ((column < 8) | (column >= 352)) & (row > 8) & (row < 30)
+    board = (column > 40) & (column < 120)
+    stalk = (column >= 8) & (column <= 40) & (row == 20)
+    grid = SimpleNamespace(rows=40, columns=columns, row=row, column=column)
+    ranges = np.where(leaf | board | stalk, 1.0, 4.0)
+    labels = label_ranges(ranges, grid, side, up, largest=0.6)
+    assert (labels[leaf] == 0).all()
+    assert (labels >= 0).sum() <= leaf.sum() + 1  # and the cell where the stalk begins
+
+
 def test_nothing_and_wrong_use():
     empty = segment_leaves(np.empty((0, 3)), None, None)
     assert empty.shape == (0,)

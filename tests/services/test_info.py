@@ -14,7 +14,9 @@ from app.formats.saving import save
 from app.model.scan import Channel, Grid, Pose, Scan
 from app.services.info import describe, describe_scans
 
-KEYS = ["points", "grid", "scanner", "channels", "bounds", "warnings"]
+KEYS = [
+    "points", "grid", "scanner", "channels", "bounds", "attributes", "details", "warnings",
+]  # fmt: skip
 
 
 def make_scan(shift: float = 0.0) -> Scan:
@@ -40,6 +42,8 @@ def test_one_scan() -> None:
         "scanner": [1.0, 2.0, 3.0],
         "channels": [{"name": "reflectance_1063", "wavelength_nm": 1063.0, "kind": "reflectance"}],
         "bounds": [[0.0, -1.0, 2.0], [3.0, 1.0, 5.0]],
+        "attributes": ["reflectance_1063"],
+        "details": {},
         "warnings": ["from the file", "1 points have coordinates that are not finite."],
     }
     assert json.loads(json.dumps(facts, allow_nan=False)) == facts
@@ -59,7 +63,8 @@ def test_several_scans_have_totals() -> None:
 def test_nothing_is_null() -> None:
     facts = describe_scans([Scan("s", np.empty((0, 3)))])
     assert facts == {
-        "points": 0, "grid": None, "scanner": None, "channels": [], "bounds": None, "warnings": [],
+        "points": 0, "grid": None, "scanner": None, "channels": [], "bounds": None,
+        "attributes": [], "details": {}, "warnings": [],
     }  # fmt: skip
     both = describe_scans([Scan("s", np.empty((0, 3)))] * 2)
     assert both["bounds"] is None

@@ -36,6 +36,9 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         self.setAccessibleName(name)
         self.setMinimumHeight(self.fontMetrics().height() * LINES)
         self.hideButtons()
+        # A menu that nobody sees; with a parent it goes when the plot goes.
+        menu = self.plotItem.ctrlMenu
+        menu.setParent(self, menu.windowFlags())
         self.title_axis("bottom", x)
         self.title_axis("left", y)
         self._built = True

@@ -1,8 +1,9 @@
-"""Connected surfaces on a scan grid, by union and find."""
+"""Connected surfaces on a scan grid: joined cell by cell, cut at necks, looked at from outside."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,6 +12,31 @@ from app.core.arrays import AnyArray
 
 SLOPE = 3.0
 """Tangent up to which neighbouring beams belong to one surface, 72°."""
+SAMPLES = 3
+"""Cells looked at on either side of a point; they stand apart where the grid is dense."""
+SOLID = 0.6
+"""Share of those cells that a solid part fills; a point at a straight edge sees 4 of 7."""
+BEHIND = 8
+"""Cells that hold nothing but ghosts, behind which a border is still looked for."""
+UNKNOWN, NEARER, FARTHER, EMPTY = 0, 1, 2, 3
+"""What lies beside a border point; unknown are its own surface and what is outside the grid."""
+
+
+class Beams(NamedTuple):
+    """Points in the order of their cells, (m,) arrays; those of cell k begin at start[k].
+
+    Kernels that meet every point unpack it first: handing it on costs more than their work.
+    """
+
+    distance: AnyArray
+    usable: AnyArray
+    row: AnyArray
+    column: AnyArray
+    start: AnyArray
+    down: AnyArray
+    across: AnyArray
+    seam: bool
+    jump: float
 
 
 @njit(cache=True, nogil=True)
@@ -23,17 +49,14 @@ def find_root(parent: AnyArray, p: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def join_cells(
-    distance: AnyArray, usable: AnyArray, start: AnyArray, row: AnyArray, column: AnyArray,
-    member: AnyArray, parent: AnyArray, first: int, last: int, down: AnyArray, across: AnyArray,
-    seam: bool, jump: float,
-) -> None:  # fmt: skip
-    """Join each sorted point with those of the cells to the right, below, and below beside."""
+def join_cells(beams: Beams, chosen: AnyArray, parent: AnyArray, first: int, last: int) -> None:
+    """Join each chosen point with those of the cells to the right, below, and below beside."""
+    distance, _, row, column, start, down, across, seam, jump = beams
     rows, columns = across.size, down.size
     for p in range(first, last):
-        if not usable[p]:
+        if not chosen[p]:
             continue
-        r, c = row[member[p]], column[member[p]]
+        r, c = row[p], column[p]
         for k in range(4):
             dr, dc = (0, 1) if k == 0 else (1, k - 2)
             r1, c1 = r + dr, c + dc
@@ -44,7 +67,7 @@ def join_cells(
             cell = np.int64(r1) * columns + c1
             reach = math.hypot(dr * down[c], dc * across[r]) * distance[p]
             for q in range(start[cell], start[cell + 1]):
-                if usable[q] and abs(distance[q] - distance[p]) <= max(jump, SLOPE * reach):
+                if chosen[q] and abs(distance[q] - distance[p]) <= max(jump, SLOPE * reach):
                     a, b = find_root(parent, p), find_root(parent, q)
                     parent[max(a, b)] = min(a, b)
 
@@ -54,3 +77,142 @@ def flatten_roots(parent: AnyArray) -> None:
     """Point every entry at its root."""
     for p in range(parent.size):
         parent[p] = find_root(parent, p)
+
+
+@njit(cache=True, nogil=True)
+def measure_boxes(
+    x: AnyArray, y: AnyArray, z: AnyArray, label: AnyArray, low: AnyArray, high: AnyArray
+) -> None:
+    """Widen the box of each label, low and high (labels, 3), to hold its points."""
+    for p in range(label.size):
+        k = label[p]
+        if k >= 0:
+            low[k, 0], high[k, 0] = min(low[k, 0], x[p]), max(high[k, 0], x[p])
+            low[k, 1], high[k, 1] = min(low[k, 1], y[p]), max(high[k, 1], y[p])
+            low[k, 2], high[k, 2] = min(low[k, 2], z[p]), max(high[k, 2], z[p])
+
+
+@njit(cache=True, nogil=True)
+def spread_samples(reach: float, cell: float, total: int) -> tuple[int, int]:
+    """Samples on either side, and cells from one to the next, so that they span `reach`."""
+    cells = min(max(reach / cell, 1.0), total // 3)
+    count = min(SAMPLES, int(cells))
+    return count, int(cells / max(count, 1) + 0.5)
+
+
+@njit(cache=True, nogil=True)
+def mark_solid(beams: Beams, reach: float, solid: AnyArray, first: int, last: int) -> None:
+    """Mark points whose surface fills most of the window that spans `reach` metres around."""
+    distance, usable, row, column, start, down, across, seam, jump = beams
+    rows, columns = across.size, down.size
+    for p in range(first, last):
+        if not usable[p]:
+            continue
+        r, c, away = np.int64(row[p]), np.int64(column[p]), distance[p]
+        tall, wide = down[c] * away, across[r] * away
+        high, row_step = spread_samples(reach, tall, rows)
+        side, column_step = spread_samples(reach, wide, columns)
+        inside = filled = 0
+        for i in range(-high * row_step, high * row_step + 1, max(row_step, 1)):
+            if not 0 <= r + i < rows:
+                continue
+            for j in range(-side * column_step, side * column_step + 1, max(column_step, 1)):
+                c1 = c + j
+                if seam:
+                    c1 += columns * (int(c1 < 0) - int(c1 >= columns))
+                if not 0 <= c1 < columns:
+                    continue
+                inside += 1
+                cell = (r + i) * columns + c1
+                most = max(jump, SLOPE * math.sqrt((i * tall) ** 2 + (j * wide) ** 2))
+                for q in range(start[cell], start[cell + 1]):
+                    if usable[q] and abs(distance[q] - away) <= most:
+                        filled += 1
+                        break
+        solid[p] = filled > SOLID * inside
+
+
+@njit(cache=True, nogil=True)
+def find_cell(beams: Beams, p: int, dr: int, dc: int) -> int:
+    """Cell dr rows below and dc columns to the right of point p; -1 outside the grid."""
+    columns = beams.down.size
+    r, c = np.int64(beams.row[p]) + dr, np.int64(beams.column[p]) + dc
+    if beams.seam:
+        c = c % columns
+    if r < 0 or r >= beams.across.size or c < 0 or c >= columns:
+        return -1
+    return int(r * columns + c)
+
+
+@njit(cache=True, nogil=True)
+def measure_gap(beams: Beams, p: int, dr: int, dc: int) -> float:
+    """Metres across the beams from p to that cell, at the range of p."""
+    down, across = beams.down[beams.column[p]], beams.across[beams.row[p]]
+    return float(math.hypot(dr * down, dc * across) * beams.distance[p])
+
+
+@njit(cache=True, nogil=True)
+def find_giver(beams: Beams, p: int, away: AnyArray, reach: float) -> tuple[int, float]:
+    """The point beside p, on its surface, that is nearest to a solid part, and how near p is."""
+    best, nearest = -1, np.inf
+    for k in range(9):
+        dr, dc = k // 3 - 1, k % 3 - 1
+        cell = find_cell(beams, p, dr, dc)
+        if cell < 0:
+            continue
+        gap = measure_gap(beams, p, dr, dc)
+        for q in range(beams.start[cell], beams.start[cell + 1]):
+            step = abs(beams.distance[q] - beams.distance[p])
+            joined = step <= max(beams.jump, SLOPE * gap)
+            if joined and away[q] < reach and away[q] + gap < nearest:
+                best, nearest = int(q), away[q] + gap
+    return best, nearest
+
+
+@njit(cache=True, nogil=True)
+def grow_rims(beams: Beams, label: AnyArray, reach: float) -> None:
+    """Give unlabelled points the label of the surface beside, in rounds, up to `reach` metres."""
+    away = np.where(label >= 0, 0.0, np.inf)
+    todo = np.flatnonzero(beams.usable & (label < 0))
+    giver, nearest = np.empty(todo.size, np.int64), np.empty(todo.size)
+    while todo.size:
+        for k in range(todo.size):
+            giver[k], nearest[k] = find_giver(beams, todo[k], away, reach)
+        given = giver[: todo.size] >= 0
+        if not given.any():
+            break
+        for k in np.flatnonzero(given):
+            label[todo[k]], away[todo[k]] = label[giver[k]], nearest[k]
+        todo = todo[~given]
+
+
+@njit(cache=True, nogil=True)
+def look_beside(beams: Beams, label: AnyArray, p: int, dr: int, dc: int) -> int:
+    """What lies beside p in a direction, behind the ghosts."""
+    for k in range(1, BEHIND + 1):
+        cell = find_cell(beams, p, k * dr, k * dc)
+        if cell < 0:
+            return UNKNOWN
+        if beams.start[cell] == beams.start[cell + 1]:
+            return EMPTY
+        most = max(beams.jump, SLOPE * measure_gap(beams, p, k * dr, k * dc))
+        seen = UNKNOWN
+        for q in range(beams.start[cell], beams.start[cell + 1]):
+            if beams.usable[q]:
+                step = beams.distance[q] - beams.distance[p]
+                if abs(step) <= most or label[q] == label[p]:
+                    return UNKNOWN
+                seen = NEARER if step < 0.0 or seen == NEARER else FARTHER
+        if seen != UNKNOWN:
+            return seen
+    return UNKNOWN
+
+
+@njit(cache=True, nogil=True)
+def count_borders(beams: Beams, label: AnyArray, border: AnyArray) -> None:
+    """Count what lies beside the points of each label, (labels, 4)."""
+    for p in range(label.size):
+        if label[p] >= 0:
+            for k in range(4):
+                dr, dc = (k - 1, 0) if k % 2 == 0 else (0, k - 2)
+                border[label[p], look_beside(beams, label, p, dr, dc)] += 1

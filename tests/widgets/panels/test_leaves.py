@@ -79,7 +79,7 @@ def test_rename_in_the_table(panel, opened, qtbot) -> None:
     editor.selectAll()
     qtbot.keyClicks(editor, "Flag leaf")
     qtbot.keyClick(editor, Qt.Key.Key_Return)
-    assert opened.state.leaves["leaf-00001"].name == "Flag leaf"
+    qtbot.waitUntil(lambda: opened.state.leaves["leaf-00001"].name == "Flag leaf")
     qtbot.waitUntil(lambda: names(panel)[0] == "Flag leaf")
     opened.controller.undo()
     qtbot.waitUntil(lambda: names(panel)[0] == "Leaf 1")

@@ -22,6 +22,8 @@ def test_values_are_shown_and_copied(desk, qtbot) -> None:
     qtbot.mouseClick(panel.copy_button, Qt.MouseButton.LeftButton)
     assert QGuiApplication.clipboard().text() == wanted
     QGuiApplication.clipboard().clear()
+    panel.activateWindow()
+    qtbot.waitUntil(panel.isActiveWindow)
     panel.table.setFocus()
     qtbot.keyClick(panel.table, Qt.Key.Key_C, Qt.KeyboardModifier.ControlModifier)
     assert QGuiApplication.clipboard().text() == wanted

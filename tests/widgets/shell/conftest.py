@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -52,11 +52,10 @@ def open_shell(theme: ThemeSwitch) -> Iterator[MainWindow]:
     window.deleteLater()
 
 
-@pytest.fixture(scope="module")
-def shared_shell(theme: ThemeSwitch) -> Iterator[MainWindow]:
-    """One window for many tests that only look at it."""
-    with open_shell(theme) as window:
-        yield window
+@pytest.fixture(scope="session")
+def open_window() -> Callable[..., AbstractContextManager[MainWindow]]:
+    """For fixtures that outlive a test: `open_shell`."""
+    return open_shell
 
 
 @pytest.fixture(scope="session")

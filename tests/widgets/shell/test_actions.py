@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 
 import pytest
 from PySide6.QtGui import QKeySequence
@@ -12,8 +14,10 @@ from PySide6.QtWidgets import QToolButton
 from app.model.operations import Select
 from app.model.points import PointSet
 from widgets.action_rows import list_rows
+from widgets.actions import Row, RowAction
 from widgets.main_window import MainWindow
 from widgets.menus import TITLES
+from widgets.theme import ThemeSwitch
 
 pytestmark = pytest.mark.window
 
@@ -27,40 +31,60 @@ ALWAYS = {
 SELECTION = {"edit.clear", "edit.delete", "scan.make_leaf"}
 LATER = {"edit.redo", "edit.bring_back"}
 Put = Callable[..., str]
+Open = Callable[[ThemeSwitch], AbstractContextManager[MainWindow]]
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.id)
-def test_row_is_in_its_menu_with_its_keys_and_words(shared_shell: MainWindow, row) -> None:
-    action = shared_shell.table.actions[row.id]
-    titles = dict(TITLES)
-    menu = next(a.menu() for a in shared_shell.menuBar().actions() if a.text() == titles[row.menu])
-    assert action in menu.actions()
-    assert [k.toString() for k in action.shortcuts()] == [
-        QKeySequence(keys).toString() for keys in row.keys
-    ]
-    assert action.text()
-    assert action.toolTip()
-    assert bool(row.icon) == (not action.icon().isNull())
-    assert action.isCheckable() == (row.checked is not None)
-    if row.bar:
-        assert not action.icon().isNull()
+@dataclass(frozen=True)
+class Seen:
+    """What one window made of the table, kept after it was closed."""
+
+    menus: dict[str, set[str]]
+    actions: dict[str, dict[str, object]]
+    enabled: list[set[str]]
 
 
 @pytest.fixture(scope="module")
-def stages(shared_shell: MainWindow, put_scan: Put) -> list[set[str]]:
-    """Which actions are enabled in an empty window, with a scan, with a selection."""
-    actions = shared_shell.table.actions
-    found = [{name for name, action in actions.items() if action.isEnabled()}]
-    key = put_scan(shared_shell)
-    found.append({name for name, action in actions.items() if action.isEnabled()})
-    shared_shell.controller.do(Select(key, PointSet([1, 2])))
-    found.append({name for name, action in actions.items() if action.isEnabled()})
-    return found
+def seen(theme: ThemeSwitch, put_scan: Put, open_window: Open) -> Seen:
+    with open_window(theme) as window:
+        titles = {title: menu for menu, title in TITLES}
+        menus = {
+            titles[a.text()]: {inner.objectName() for inner in a.menu().actions()}
+            for a in window.menuBar().actions()
+        }
+        actions = {name: describe(action) for name, action in window.table.actions.items()}
+        enabled = [list_enabled(window)]
+        key = put_scan(window)
+        enabled.append(list_enabled(window))
+        window.controller.do(Select(key, PointSet([1, 2])))
+        enabled.append(list_enabled(window))
+    return Seen(menus, actions, enabled)
+
+
+def describe(action: RowAction) -> dict[str, object]:
+    return {
+        "keys": tuple(keys.toString() for keys in action.shortcuts()),
+        "text": action.text(),
+        "tip": action.toolTip(),
+        "icon": not action.icon().isNull(),
+        "checkable": action.isCheckable(),
+    }
+
+
+def list_enabled(window: MainWindow) -> set[str]:
+    return {name for name, action in window.table.actions.items() if action.isEnabled()}
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.id)
-def test_row_is_enabled_when_it_makes_sense(stages: list[set[str]], row) -> None:
-    empty, with_scan, with_selection = (row.id in stage for stage in stages)
+def test_row_comes_to_life(seen: Seen, row: Row) -> None:
+    action = seen.actions[row.id]
+    assert row.id in seen.menus[row.menu]
+    assert action["keys"] == tuple(QKeySequence(keys).toString() for keys in row.keys)
+    assert action["text"] == row.text
+    assert action["tip"]
+    assert action["icon"] == bool(row.icon)
+    assert action["checkable"] == (row.checked is not None)
+    assert row.icon or not row.bar
+    empty, with_scan, with_selection = (row.id in stage for stage in seen.enabled)
     assert empty == (row.id in ALWAYS)
     assert with_scan == (row.id not in SELECTION | LATER)
     assert with_selection == (row.id not in LATER)
