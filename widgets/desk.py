@@ -35,6 +35,12 @@ class Desk:
         return scan is not None and scan.scan.pose is not None
 
     @property
+    def has_text(self) -> bool:
+        """Whether the current scan came from a text file."""
+        scan = self.controller.scan
+        return scan is not None and scan.scan.metadata.get("format") == "text"
+
+    @property
     def has_selection(self) -> bool:
         """Whether points are selected."""
         scan = self.controller.scan

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from itertools import pairwise
+from typing import Literal, get_args
 
 from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtGui import QAction
@@ -14,6 +15,7 @@ from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
 
 Area = Literal["top left", "bottom left", "right"]
+AREAS: tuple[Area, ...] = get_args(Area)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,9 @@ class Docks(QObject):
         window.setCorner(Qt.Corner.BottomRightCorner, right)
         self._later = QTimer(self, singleShot=True, interval=0)
         self._later.timeout.connect(self._dress)
-        self._arrange()
+        self._arranged = False
+        for place in PLACES:
+            self.docks[place.id] = self._make(place)
 
     def fill(self, controller: Controller, work: LeafWork, documents: Documents) -> None:
         """Make the panels and put them in."""
@@ -72,7 +76,30 @@ class Docks(QObject):
         self.docks[name].show()
         self.docks[name].raise_()
 
-    def size_up(self) -> None:
+    def arrange(self) -> None:
+        """Put the docks in their places, once; only when the window is being shown.
+
+        Before that, Qt forgets to hide the tab bars that it made on the way.
+        """
+        if self._arranged:
+            return
+        self._arranged = True
+        window, first = self._window, {area: self._in_area(area)[0] for area in AREAS}
+        window.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, first["top left"])
+        window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, first["right"])
+        # Split before tabs are made: a dock that is a tab already is not split but joined.
+        vertical = Qt.Orientation.Vertical
+        window.splitDockWidget(first["top left"], first["bottom left"], vertical)
+        for area in AREAS:
+            for dock, neighbour in pairwise(self._in_area(area)):
+                window.tabifyDockWidget(dock, neighbour)
+            first[area].raise_()
+        self._size_up()
+
+    def _in_area(self, area: Area) -> list[QDockWidget]:
+        return [self.docks[place.id] for place in PLACES if place.area == area]
+
+    def _size_up(self) -> None:
         """Give the sides a share of the window that suits its width."""
         em = self._window.fontMetrics().height()
         share = self._window.width()
@@ -83,29 +110,6 @@ class Docks(QObject):
         self._window.resizeDocks(sides, [left, right], horizontal)
         column = [self.docks["scans"], self.docks["leaves"]]
         self._window.resizeDocks(column, [2, 3], Qt.Orientation.Vertical)
-
-    def _arrange(self) -> None:
-        first: dict[Area, QDockWidget] = {}
-        rest: list[Place] = []
-        for place in PLACES:
-            self.docks[place.id] = dock = self._make(place)
-            if place.area not in first:
-                first[place.area] = dock
-            else:
-                rest.append(place)
-        left, right = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
-        self._window.addDockWidget(left, first["top left"])
-        self._window.addDockWidget(right, first["right"])
-        # Split before tabs are made: a dock that is a tab already is not split but joined.
-        vertical = Qt.Orientation.Vertical
-        self._window.splitDockWidget(first["top left"], first["bottom left"], vertical)
-        for place in rest:
-            last = next(
-                p.id for p in reversed(PLACES[: PLACES.index(place)]) if p.area == place.area
-            )
-            self._window.tabifyDockWidget(self.docks[last], self.docks[place.id])
-        for dock in first.values():
-            dock.raise_()
 
     def _make(self, place: Place) -> QDockWidget:
         dock = QDockWidget(self.tr(place.title), self._window)

@@ -11,7 +11,7 @@ from app.core.errors import LeafscopeError
 from app.core.progress import Progress
 from app.formats.options import DEFAULTS, ReadOptions
 from app.formats.session import SUFFIX
-from app.model.operations import SetPose
+from app.model.operations import CloseScan, SetPose
 from app.model.project import Project
 from app.model.scan import Pose, Scan, Vector
 from app.model.view_state import ViewState
@@ -48,6 +48,13 @@ class Documents(QObject):
                 self.open_session(path)
             else:
                 self._open_scan(path, options)
+
+    def reopen(self, scan: str, options: ReadOptions) -> None:
+        """Read the file of a scan again, in another way; the scan as it was is closed."""
+        source = self._controller.project.state.scan(scan).scan.source
+        if source is not None:
+            self._controller.do(CloseScan(scan))
+            self._open_scan(Path(source.path), options)
 
     def new(self) -> None:
         """Begin an empty session."""

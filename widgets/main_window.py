@@ -6,11 +6,11 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QTimer
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent, Qt
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent, QShowEvent, Qt
 from PySide6.QtOpenGLWidgets import QOpenGLWidget
 from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
-from app.core.errors import LeafscopeError, MissingChannel, MissingScanner
+from app.core.errors import LeafscopeError, MissingChannel, MissingScanner, UnclearLayout
 from app.model.events import Change
 from app.model.scan import Pose
 from app.model.scene import Scene
@@ -36,7 +36,7 @@ from widgets.tools import Tools
 from widgets.view_deeds import ViewDeeds
 from widgets.welcome import Welcome
 
-SIZE = (80, 50)  # in heights of a line of text
+SIZE = (112, 66)  # in heights of a line of text
 
 
 class MainWindow(QMainWindow):
@@ -109,7 +109,6 @@ class MainWindow(QMainWindow):
         em = self.fontMetrics().height()
         room = self.screen().availableGeometry()
         self.resize(min(SIZE[0] * em, room.width()), min(SIZE[1] * em, room.height()))
-        self.docks.size_up()
 
     def _connect(self) -> None:
         controller, table = self.controller, self.table
@@ -141,6 +140,7 @@ class MainWindow(QMainWindow):
             asked = getattr(panel, "origin_asked", None)
             if asked is not None:
                 asked.connect(self._ask_origin)
+        self.picture.picker.picked.connect(partial(self.docks.raise_panel, "pick"))
         self.picture.picker.described.connect(self._show_point)
         self.desk.views.remember_layout()
         self._follow_scene(self.controller.scene)
@@ -167,6 +167,9 @@ class MainWindow(QMainWindow):
         elif isinstance(error, MissingChannel):
             hint, topic = "", "channel"
             answers.append((self.tr("Name a channel…"), self.desk.scans.name_channel))
+        elif isinstance(error, UnclearLayout):
+            hint, ask = "", self.desk.scans.name_columns_of
+            answers.append((self.tr("Name the columns…"), partial(ask, Path(error.path))))
         if not isinstance(error, LeafscopeError) or error.__cause__ is not None:
             answers.append((self.tr("Details…"), partial(self._show_details, trouble)))
         kind: Kind = "warning" if isinstance(error, LeafscopeError) else "error"
@@ -198,7 +201,6 @@ class MainWindow(QMainWindow):
 
     def _show_point(self, values: object) -> None:
         self.docks.panels["pick"].set_values(values)  # type: ignore[attr-defined]
-        self.docks.raise_panel("pick")
 
     # What the window follows
 
@@ -226,6 +228,11 @@ class MainWindow(QMainWindow):
         self.setWindowModified(holds_work(self.controller.project))
 
     # Qt
+
+    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
+        """Arrange the docks the first time."""
+        super().showEvent(event)
+        self.docks.arrange()
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Ask about unsaved work, then put everything away."""

@@ -23,10 +23,13 @@ class Picker(QObject):
 
     Signals
     -------
+    picked()
+        There is a point.
     described(list)
         Names, values and units; again when the incidence of the point is computed.
     """
 
+    picked = Signal()
     described = Signal(object)
 
     def __init__(self, controller: Controller, parent: QObject) -> None:
@@ -67,6 +70,7 @@ class Picker(QObject):
             self._controller.said.emit(self.tr("There is no point here."))
             return
         self.point = found
+        self.picked.emit()
         self._describe()
         key, row = found
         rows = np.array([row])

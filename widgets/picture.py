@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from PySide6.QtCore import QObject
 
+from app.model.events import Change
 from app.model.scene import Scene
-from app.model.view_state import ColourRange
-from widgets.controller import Controller
+from app.model.view_state import ColourRange, ViewState
+from widgets.controller import EVERYTHING, Controller
 from widgets.leaf_work import Combine, LeafWork
 from widgets.picking import Picker
 from widgets.theme import ThemeSwitch
@@ -38,6 +39,10 @@ class Picture(QObject):
         self.view: View3D | None = None
         self._kept: object = None
         self._shown = False
+        self._leaves = 0
+        self._revealed_over: str | None = None
+        controller.document_changed.connect(self._reveal_leaves)
+        controller.view_changed.connect(self._give_way)
 
     def attach(self, view: View3D) -> None:
         """Take a view into service."""
@@ -124,10 +129,27 @@ class Picture(QObject):
         if scene.clouds and state.camera is not None and state.camera != self._kept:
             # A session brought its camera along.
             self._kept = state.camera
-            self.view.set_camera(Camera(*state.camera, parallel_scale=state.parallel_scale))
+            position, focus, up = state.camera
+            camera = Camera(position, focus, up, parallel_scale=state.parallel_scale)
+            self.view.set_camera(camera)
         elif first:
             # A scan looks familiar from where it was made.
             self.look_from_scanner()
+
+    def _reveal_leaves(self, change: Change) -> None:
+        """Show leaves in the picture when there are some for the first time."""
+        before, self._leaves = self._leaves, len(self._controller.project.state.leaves)
+        view = self._controller.view
+        if change != EVERYTHING and before == 0 < self._leaves and not view.show_leaves:
+            self._revealed_over = view.colour
+            self._controller.look(show_leaves=True)
+
+    def _give_way(self, view: ViewState) -> None:
+        """Who asks for other colours wants to see them, and not leaves that came by themselves."""
+        over = self._revealed_over
+        if over is not None and view.colour != over:
+            self._revealed_over = None
+            self._controller.look(show_leaves=False)
 
     # Gestures
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+from pathlib import Path
+
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QWidget
 
@@ -12,6 +15,7 @@ from app.model.selection import Complement, Explicit
 from widgets.controller import Controller
 from widgets.dialogs.channel import ChannelDialog
 from widgets.dialogs.origin import OriginDialog
+from widgets.dialogs.text_layout import TextLayoutDialog
 from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
 from widgets.tools import Tools
@@ -77,6 +81,21 @@ class ScanDeeds(QObject):
         if self._controller.current is not None:
             dialog = OriginDialog(self._controller, self._documents, proposed, self._window)
             dialog.open()
+
+    def name_columns(self) -> None:
+        """Ask how the text file of the current scan is to be read."""
+        key, state = self._controller.current, self._controller.scan
+        if key is None or state is None or state.scan.source is None:
+            return
+        dialog = TextLayoutDialog(Path(state.scan.source.path), self._window)
+        dialog.chosen.connect(partial(self._documents.reopen, key))
+        dialog.open()
+
+    def name_columns_of(self, path: Path) -> None:
+        """Ask how a text file that could not be opened is to be read."""
+        dialog = TextLayoutDialog(path, self._window)
+        dialog.chosen.connect(partial(self._documents.open, [path]))
+        dialog.open()
 
     def name_channel(self) -> None:
         """Ask which attribute is an intensity, at which wavelength."""

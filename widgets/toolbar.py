@@ -18,7 +18,7 @@ class Segments(QWidget):
     def __init__(self, title: str, actions: list[RowAction], parent: QWidget) -> None:
         super().__init__(parent)
         self.setAccessibleName(title)
-        row = QHBoxLayout(self)
+        self._row = row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(0)
         self.buttons = [self._button(action) for action in actions]
@@ -33,7 +33,7 @@ class Segments(QWidget):
             button.setToolButtonStyle(
                 Style.ToolButtonIconOnly if on else Style.ToolButtonTextBesideIcon
             )
-        self.layout().invalidate()
+        self._row.invalidate()
         return self.sizeHint().width()
 
     def _button(self, action: RowAction) -> QToolButton:
@@ -93,7 +93,9 @@ class MainBar(QToolBar):
         em = self.fontMetrics().height()
         self.setIconSize(QSize(round(1.35 * em), round(1.35 * em)))
         with_words = [segments.set_compact(False) for segments in self._segments]
-        self.layout().invalidate()
+        layout = self.layout()
+        if layout is not None:
+            layout.invalidate()
         self._widths = [self.sizeHint().width()]
         for segments in self._by_worth():
             spared = with_words[self._segments.index(segments)] - segments.set_compact(True)

@@ -15,7 +15,8 @@ AnyArray = npt.NDArray[Any]
 
 def finite_rows(xyz: Floats) -> Bools:
     """Rows of an (n, 3) array without NaN or infinity, as (n,) booleans."""
-    return np.isfinite(xyz).all(axis=1)
+    finite: Bools = np.logical_and.reduce(np.isfinite(xyz), axis=1)
+    return finite
 
 
 def read_only(array: AnyArray) -> AnyArray:

@@ -37,6 +37,20 @@ class BadInput(LeafscopeError):
     exit_code = 3
 
 
+class UnclearLayout(BadInput):
+    """A text file whose columns cannot be told; the user can name them.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+    """
+
+    def __init__(self, what: str, hint: str, path: str) -> None:
+        super().__init__(what, hint)
+        self.path = path
+
+
 class MissingScanner(BadInput):
     """Something needs the scanner's position and the scan has none."""
 

@@ -101,11 +101,10 @@ def _label_on_grid(
     label = _join(beams, beams.usable, progress.part(0.0, 0.3))
     large = _find_large(index, label, largest)
     thick = _mark_solid(beams._replace(usable=large), progress.part(0.3, 0.6))
-    label[large] = -1
     solid = _join(beams, thick, progress.part(0.6, 0.9))
     grow_rims(beams._replace(usable=large), solid, REACH)
     solid[_find_large(index, solid, largest)] = -1
-    label[large] = solid[large]
+    label[large] = np.where(solid < 0, -1, solid + label.max(initial=-1) + 1)[large]
     _drop_framed(beams, label)
     raw[index.member] = label
 
@@ -113,25 +112,26 @@ def _label_on_grid(
 def _view_beams(index: SortedGrid, scanner: Floats, usable: Bools, jump: float) -> Beams:
     from app.core.kernels.segments import Beams
 
-    place = np.stack([index.x, index.y, index.z], axis=1) - scanner
+    x, y, z = index.x - scanner[0], index.y - scanner[1], index.z - scanner[2]
     grid, steps, member = index.grid, index.steps, index.member
     return Beams(
-        np.linalg.norm(place, axis=1), usable[member], grid.row[member], grid.column[member],
+        np.sqrt(x * x + y * y + z * z), usable[member], grid.row[member], grid.column[member],
         index.start, steps.down, steps.across, steps.seam, jump,
     )  # fmt: skip
 
 
 def _join(beams: Beams, chosen: Bools, progress: Progress) -> Ints:
-    """Number of the first point of each chosen point's surface; -1 for the others."""
-    from app.core.kernels.segments import flatten_roots, join_cells
+    """Number of each chosen point's surface, from 0; -1 for the other points."""
+    from app.core.kernels.segments import join_cells, number_surfaces
 
     parent = np.arange(len(chosen))
     # One thread: the pieces write to one table of parents.
     for first in range(0, len(parent), CHUNK):
         join_cells(beams, chosen, parent, first, min(first + CHUNK, len(parent)))
         progress.report(first / len(parent), "leaves")
-    flatten_roots(parent)
-    return np.where(chosen, parent, -1)
+    label = np.full(len(parent), -1)
+    number_surfaces(parent, chosen, label)
+    return label
 
 
 def _mark_solid(beams: Beams, progress: Progress) -> Bools:
@@ -150,8 +150,8 @@ def _find_large(index: SortedGrid, label: Ints, largest: float) -> Bools:
     """Points of surfaces whose box is too large for a leaf."""
     from app.core.kernels.segments import measure_boxes
 
-    low = np.full((len(label), 3), np.inf)
-    high = np.full((len(label), 3), -np.inf)
+    low = np.full((label.max(initial=-1) + 2, 3), np.inf)
+    high = np.full_like(low, -np.inf)
     measure_boxes(index.x, index.y, index.z, label, low, high)
     large: Bools = (label >= 0) & (np.linalg.norm(high - low, axis=1) > largest)[label]
     return large
@@ -164,7 +164,7 @@ def _drop_framed(beams: Beams, label: Ints) -> None:
     """
     from app.core.kernels.segments import EMPTY, FARTHER, NEARER, count_borders
 
-    border = np.zeros((len(label), 4), np.int64)
+    border = np.zeros((label.max(initial=-1) + 2, 4), np.int64)
     count_borders(beams, label, border)
     nearer, seen = border[:, NEARER], border[:, NEARER] + border[:, FARTHER]
     framed = (nearer > FRAMED * (seen + border[:, EMPTY])) & (nearer > ALL_NEARER * seen)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.core.errors import BadInput
+from app.core.errors import BadInput, UnclearLayout
 from app.formats.line_blocks import decode
 from app.formats.number_lines import Kind, split_cells, to_number
 from app.formats.options import ReadOptions
@@ -68,28 +68,68 @@ class TextLayout:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class TextRows:
+    """Where the points of a text file begin, and its first rows as cells.
+
+    Attributes
+    ----------
+    separator : str or None
+    header_lines : int
+    cells : list of rows, each a list of str
+    width : int
+        Cells that most rows have.
+    before : list of str
+        Lines above the points.
+    """
+
+    separator: str | None
+    header_lines: int
+    cells: list[list[str]]
+    width: int
+    before: list[str]
+
+
+def find_rows(path: Path, options: ReadOptions) -> TextRows:
+    """Find the rows of a file, from its first 64 kB and what the user gave.
+
+    Raises
+    ------
+    UnclearLayout
+        No rows of three numbers or more; the sentence says what was found.
+    """
+    try:
+        lines = _read_lines(path)
+        forced = options.separator is not None
+        separators = [_to_separator(options.separator)] if forced else list(_SEPARATORS)
+        start, separator = _find_rows(path, lines, separators, options.header_lines)
+    except BadInput as error:
+        raise UnclearLayout(error.what, error.hint, str(path)) from error
+    cells = [_split(line, separator) for line in lines[start:] if line.strip()]
+    before = [line for line in lines[:start] if line.strip()]
+    return TextRows(separator, start, cells, _common_width(cells), before)
+
+
 def find_layout(path: Path, options: ReadOptions) -> TextLayout:
     """Layout of a file, from its first 64 kB and what the user gave.
 
     Raises
     ------
-    BadInput
+    UnclearLayout
         No columns of numbers, or names that do not tell x, y and z once each; the
         sentence says what was found.
     """
-    lines = _read_lines(path)
-    forced = options.separator is not None
-    separators = [_to_separator(options.separator)] if forced else list(_SEPARATORS)
-    start, separator = _find_rows(path, lines, separators, options.header_lines)
-    rows = [_split(line, separator) for line in lines[start:] if line.strip()]
-    width = _common_width(rows)
-    before = [line for line in lines[:start] if line.strip()]
-    claimed = _take_count(before)
-    columns, warnings = _name_columns(path, before, separator, width, options, claimed)
-    layout = TextLayout(
-        separator, start, columns, _find_kinds(rows, width, columns), claimed, warnings
-    )
-    _check_axes(path, layout)
+    rows = find_rows(path, options)
+    claimed = _take_count(rows.before)
+    try:
+        columns, warnings = _name_columns(
+            path, rows.before, rows.separator, rows.width, options, claimed
+        )
+        kinds = _find_kinds(rows.cells, rows.width, columns)
+        layout = TextLayout(rows.separator, rows.header_lines, columns, kinds, claimed, warnings)
+        _check_axes(path, layout)
+    except BadInput as error:
+        raise UnclearLayout(error.what, error.hint, str(path)) from error
     return layout
 
 

@@ -120,10 +120,10 @@ def test_what_fits_a_leaf_is_not_cut():
 def test_background_framed_by_a_nearer_ring_is_no_leaf():
     grid, side, up = make_canvas()
     away = np.hypot(side, up)
-    ring = (away > 0.05) & (away < 0.1)
+    ring = (away > 0.03) & (away < 0.1)
     ranges = np.where(ring, 2.0, 3.0)
     assert (label_ranges(ranges, grid, side, up, largest=0.35) == -1).all()
-    bird = away < 0.02  # nearer than the ring that surrounds it
+    bird = away < 0.015  # nearer than the ring that surrounds it
     labels = label_ranges(np.where(bird, 1.5, ranges), grid, side, up, largest=0.35)
     assert np.array_equal(labels, np.where(bird, 0, -1))
 
@@ -131,8 +131,8 @@ def test_background_framed_by_a_nearer_ring_is_no_leaf():
 def test_ghosts_on_the_frame_do_not_hide_it():
     grid, side, up = make_canvas()
     away = np.hypot(side, up)
-    ranges = np.where((away > 0.05) & (away < 0.1), 2.0, 3.0)
-    ghosts = np.abs(away - 0.05) < 0.0025
+    ranges = np.where((away > 0.03) & (away < 0.1), 2.0, 3.0)
+    ghosts = np.abs(away - 0.03) < 0.0025
     ranges[ghosts] = 2.5
     labels = label_ranges(ranges, grid, side, up, largest=0.35, ghosts=ghosts)
     assert (labels == -1).all()
@@ -153,6 +153,15 @@ def test_partly_hidden_leaf_stays(behind):
     ranges[side < 0.0] = 1.0  # hides half of it, and is too large for a leaf
     labels = label_ranges(ranges, grid, side, up, largest=0.2)
     assert np.array_equal(labels, np.where(leaf & (side >= 0.0), 0, -1))
+
+
+def test_leaf_in_a_slit_shows_what_is_behind_it():
+    grid, side, up = make_canvas()
+    slit = (np.abs(side) < 0.01) & (np.abs(up) < 0.03)
+    leaf = slit & (up > -0.024)  # below it, a seventh of its border, the wall
+    ranges = np.where(leaf, 2.0, np.where(slit, 3.0, 1.0))
+    labels = label_ranges(ranges, grid, side, up, largest=0.25)
+    assert np.array_equal(labels, np.where(leaf, 0, -1))
 
 
 def test_leaf_is_cut_off_over_the_seam():

@@ -6,14 +6,13 @@ from collections.abc import Hashable, Mapping
 
 from PySide6.QtCore import QObject, Signal
 
-from app.core.arrays import Ints
 from app.core.progress import Progress
 from app.model.fields import Same
 from app.model.leaf import Leaf
 from app.model.state import ScanState
-from app.services.curves import members_of
 from app.services.leaves import Row, measure_leaves
 from widgets.common.aside import copy_aside
+from widgets.common.leaf_points import join_members
 from widgets.controller import Controller
 
 FIELD = "incidence"
@@ -67,13 +66,8 @@ class LeafMeasures(QObject):
         def then() -> None:
             self._run(scan, wanted)
 
-        self._controller.want(scan, FIELD, self._living(keys, state), then)
-
-    def _living(self, keys: list[str], state: ScanState) -> Ints:
-        points = members_of(self._controller.project, keys)
-        if points is None:
-            raise AssertionError("there is a key for each leaf that is measured")
-        return points[state.alive[points]]
+        points = join_members([leaf for leaf in leaves if leaf.key in wanted], len(state.scan))
+        self._controller.want(scan, FIELD, points[state.alive[points]], then)
 
     def _run(self, scan: str, marks: dict[str, Hashable]) -> None:
         project = self._controller.project

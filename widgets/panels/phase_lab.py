@@ -12,12 +12,13 @@ from app.core.fitting import FitResult
 from app.core.phase import get_model
 from app.model.fields import Same
 from app.model.parameters import Curve
-from app.services.curves import channel_in_use, members_of
+from app.services.curves import channel_in_use
 from widgets.common.angular_points import AngularPoints, gather_points
 from widgets.common.aside import copy_aside
 from widgets.common.curve_choice import CurveChoice, Target
 from widgets.common.curve_editor import CurveEditor
 from widgets.common.known_fits import find_newest, find_source, have_same_values
+from widgets.common.leaf_points import join_members
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel, make_scrolling
 from widgets.common.plots import MOST_DOTS
@@ -182,8 +183,9 @@ class PhaseLabPanel(Panel):
         target, state, project = self.target, self.controller.scan, self.controller.project
         if target is None or state is None:
             return
-        parts = tuple(Same(project.state.leaves[key].members) for key in target.leaves)
-        points = members_of(project, target.leaves)
+        leaves = [project.state.leaves[key] for key in target.leaves]
+        parts = tuple(Same(leaf.members) for leaf in leaves)
+        points = join_members(leaves, len(state.scan)) if leaves else None
         if not self.ask(target.scan, "incidence", points, parts):
             return
         angles = Same(project.known_field(target.scan, "incidence"))

@@ -73,10 +73,17 @@ def join_cells(beams: Beams, chosen: AnyArray, parent: AnyArray, first: int, las
 
 
 @njit(cache=True, nogil=True)
-def flatten_roots(parent: AnyArray) -> None:
-    """Point every entry at its root."""
+def number_surfaces(parent: AnyArray, chosen: AnyArray, label: AnyArray) -> None:
+    """Label chosen points 0, 1, … by root; a root is the first point of its surface."""
+    count = 0
     for p in range(parent.size):
-        parent[p] = find_root(parent, p)
+        if chosen[p]:
+            root = find_root(parent, p)
+            if root == p:
+                label[p] = count
+                count += 1
+            else:
+                label[p] = label[root]
 
 
 @njit(cache=True, nogil=True)
@@ -154,7 +161,7 @@ def measure_gap(beams: Beams, p: int, dr: int, dc: int) -> float:
 @njit(cache=True, nogil=True)
 def find_giver(beams: Beams, p: int, away: AnyArray, reach: float) -> tuple[int, float]:
     """The point beside p, on its surface, that is nearest to a solid part, and how near p is."""
-    best, nearest = -1, np.inf
+    best, nearest = -1, math.inf
     for k in range(9):
         dr, dc = k // 3 - 1, k % 3 - 1
         cell = find_cell(beams, p, dr, dc)
@@ -181,8 +188,9 @@ def grow_rims(beams: Beams, label: AnyArray, reach: float) -> None:
         given = giver[: todo.size] >= 0
         if not given.any():
             break
-        for k in np.flatnonzero(given):
-            label[todo[k]], away[todo[k]] = label[giver[k]], nearest[k]
+        for found in np.flatnonzero(given):
+            away[todo[found]] = nearest[found]
+            label[todo[found]] = label[giver[found]]
         todo = todo[~given]
 
 
@@ -211,8 +219,16 @@ def look_beside(beams: Beams, label: AnyArray, p: int, dr: int, dc: int) -> int:
 @njit(cache=True, nogil=True)
 def count_borders(beams: Beams, label: AnyArray, border: AnyArray) -> None:
     """Count what lies beside the points of each label, (labels, 4)."""
+    _, _, row, column, start, down, across, _, _ = beams
+    columns = down.size
     for p in range(label.size):
-        if label[p] >= 0:
-            for k in range(4):
-                dr, dc = (k - 1, 0) if k % 2 == 0 else (0, k - 2)
-                border[label[p], look_beside(beams, label, p, dr, dc)] += 1
+        if label[p] < 0:
+            continue
+        for k in range(4):
+            dr, dc = (k - 1, 0) if k % 2 == 0 else (0, k - 2)
+            r, c = np.int64(row[p]) + dr, np.int64(column[p]) + dc
+            if 0 <= r < across.size and 0 <= c < columns:
+                q = start[r * columns + c]
+                if q < start[r * columns + c + 1] and label[q] == label[p]:
+                    continue  # inside the surface, as most are: spares the costly look
+            border[label[p], look_beside(beams, label, p, dr, dc)] += 1

@@ -29,7 +29,7 @@ ALWAYS = {
     "theme.dark", "help.guide", "help.keys", "help.about",
 }  # fmt: skip
 SELECTION = {"edit.clear", "edit.delete", "scan.make_leaf"}
-LATER = {"edit.redo", "edit.bring_back"}
+LATER = {"edit.redo", "edit.bring_back", "scan.columns"}
 Put = Callable[..., str]
 Open = Callable[[ThemeSwitch], AbstractContextManager[MainWindow]]
 

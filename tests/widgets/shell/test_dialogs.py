@@ -137,12 +137,12 @@ def test_filters_know_every_format_that_is_read() -> None:
 
 
 def test_guide_and_keys_open_beside_the_window(shell: MainWindow) -> None:
-    for name in ("help.keys", "help.about"):
+    for name in ("help.keys", "help.about", "help.guide"):
         shell.table.actions[name].trigger()
     from widgets.dialogs.guide import GuideDialog
 
     pages = shell.findChildren(GuideDialog)
-    assert len(pages) == 2
+    assert len(pages) == 3
     assert not any(page.isModal() for page in pages)
     assert "Ctrl+O" in pages[0].page.toPlainText()
     for page in pages:

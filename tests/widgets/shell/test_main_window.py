@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QMessageBox, QWidget
+from PySide6.QtWidgets import QMessageBox, QTabBar, QWidget
 from pytestqt.qtbot import QtBot
 
 from app.core.errors import BadInput, MissingChannel, MissingScanner
+from app.core.progress import Progress
+from app.core.screen import project as project_points
+from app.core.screen import select_in_lasso
 from app.model.operations import Select, SetPose
 from app.model.points import PointSet
 from app.model.scan import Pose
+from app.model.selection import Explicit
 from widgets.dialogs.error import ErrorDialog
 from widgets.dialogs.origin import OriginDialog
 from widgets.main_window import MainWindow
@@ -33,7 +39,7 @@ def test_a_file_is_opened_and_shown(window: MainWindow, scan_file: Path, qtbot: 
     window.documents.open([scan_file])
     qtbot.waitUntil(lambda: window.controller.current is not None, timeout=20_000)
     qtbot.waitUntil(lambda: window.stack.currentWidget() is window.picture.view)
-    assert window.windowTitle() == "patch.csv[*] – Leafscope"
+    assert window.windowTitle() == "patch[*] – Leafscope"
     assert not window.isWindowModified()  # opening alone is no work to lose
     assert window.controller.view.colour == "reflectance_1063"
     assert "576" in window.status.points.text()
@@ -46,14 +52,21 @@ def test_gestures_select_pick_and_undo(window: MainWindow, put_scan: Put, qtbot:
     qtbot.waitUntil(lambda: window.stack.currentWidget() is view)
     corners = [(0.05, 0.05), (0.95, 0.05), (0.95, 0.95), (0.05, 0.95)]
     window.tools.reach("through")
+    seen_from = view.current_view()
     view.lasso_finished.emit(corners, "replace")
-    qtbot.waitUntil(lambda: len(project.state.scan(key).selection) == 576, timeout=20_000)
-    assert "576" in window.status.currentMessage()
+    qtbot.waitUntil(lambda: len(project.state.scan(key).selection) > 0, timeout=20_000)
+    xyz = project.state.scan(key).scan.xyz
+    expected = select_in_lasso(xyz, None, seen_from, np.array(corners), "through")
+    assert np.array_equal(project.state.scan(key).selection.indices, expected.indices)
+    assert len(expected.indices) > 400
+    assert window.status.currentMessage() == expected.describe()
     window.table.actions["edit.undo"].trigger()
     assert len(project.state.scan(key).selection) == 0
-    view.picked.emit(0.5, 0.5)
+    now = view.current_view()
+    place = project_points(xyz[300:301], now.origin, now.matrix, now.size).px[0] / now.size
+    view.picked.emit(float(place[0]), float(place[1]))
     qtbot.waitUntil(lambda: window.picture.picker.point is not None, timeout=20_000)
-    assert window.picture.picker.point[0] == key
+    assert window.picture.picker.point == (key, 300)
     qtbot.waitUntil(lambda: not window.controller.bridge.jobs, timeout=60_000)
     known = project.known_field(key, "incidence")
     assert known.computed == 1  # of that point only
@@ -61,6 +74,67 @@ def test_gestures_select_pick_and_undo(window: MainWindow, put_scan: Put, qtbot:
     assert window.tools.tool == "navigate"
     view.limits_changed.emit(0.35, 0.5, True)
     assert window.controller.view.ranges["reflectance_1063"].low == 0.35
+
+
+def test_the_first_leaf_is_shown_and_the_camera_is_saved(
+    window: MainWindow, put_scan: Put, qtbot: QtBot
+) -> None:
+    key = put_scan(window)
+    qtbot.waitUntil(lambda: bool(window.picture.view.counts))
+    assert not window.controller.view.show_leaves
+    window.work.make_leaf(key, PointSet(range(50)), Explicit(PointSet(range(50))))
+    assert window.controller.view.show_leaves
+    window.controller.look(colour="reflectance_1545")
+    assert not window.controller.view.show_leaves  # other colours were asked for
+    window.table.actions["view.leaves"].trigger()
+    window.controller.look(colour="range")
+    assert window.controller.view.show_leaves  # asked for: they stay
+    window.table.actions["view.leaves"].trigger()
+    window.work.make_leaf(key, PointSet(range(50, 90)), Explicit(PointSet(range(50, 90))))
+    assert not window.controller.view.show_leaves  # the user's wish holds
+    window.picture.keep_camera()
+    camera = window.picture.view.camera()
+    assert window.controller.view.camera == (camera.position, camera.focal_point, camera.view_up)
+
+
+def test_a_session_comes_back_as_it_was_left(
+    window: MainWindow, scan_file: Path, tmp_path: Path, qtbot: QtBot
+) -> None:
+    window.documents.open([scan_file])
+    qtbot.waitUntil(lambda: bool(window.picture.view.counts), timeout=20_000)
+    key = window.controller.current
+    window.controller.do(Select(key, PointSet([1, 2, 3])))
+    window.picture.look_from("top")
+    camera = window.picture.view.camera()
+    path = tmp_path / "work.leafscope"
+    window.documents.path = path
+    window.table.actions["file.save"].trigger()
+    assert path.is_file()
+    assert not window.isWindowModified()
+    assert window.windowTitle() == "work.leafscope[*] – Leafscope"
+    window.table.actions["file.new"].trigger()  # nothing is lost: no question
+    qtbot.waitUntil(lambda: window.stack.currentWidget() is window.welcome)
+    window.desk.files.open_paths([path])
+    qtbot.waitUntil(lambda: window.controller.scan is not None, timeout=20_000)
+    qtbot.waitUntil(lambda: window.picture.view.camera().position == camera.position)
+    assert list(window.controller.scan.selection.indices) == [1, 2, 3]
+
+
+def test_docks_come_back(window: MainWindow, qtbot: QtBot) -> None:
+    def list_bars() -> list[list[str]]:
+        bars = [b for b in window.findChildren(QTabBar) if b.isVisible() and b.parent() is window]
+        return sorted([bar.tabText(i) for i in range(bar.count())] for bar in bars)
+
+    qtbot.waitUntil(lambda: window.docks.docks["ghosts"].titleBarWidget() is not None)
+    before = list_bars()
+    assert before == [
+        ["Leaves", "Jobs"], ["Phase lab", "Δω", "Ghosts"], ["Scans", "Point", "History"],
+    ]  # fmt: skip
+    window.docks.docks["ghosts"].setFloating(True)
+    window.docks.docks["leaves"].close()
+    qtbot.waitUntil(lambda: window.docks.docks["ghosts"].titleBarWidget() is None)
+    window.table.actions["view.reset_layout"].trigger()
+    qtbot.waitUntil(lambda: list_bars() == before)
 
 
 def test_tools_and_theme_reach_the_view(window: MainWindow, put_scan: Put, qtbot: QtBot) -> None:
@@ -217,3 +291,26 @@ def test_a_narrow_tool_bar_leaves_words_out(shell: MainWindow, qtbot: QtBot) -> 
         style[width] = {b.toolButtonStyle() for b in buttons}
     assert style[2400] == {Qt.ToolButtonStyle.ToolButtonTextBesideIcon}
     assert style[700] == {Qt.ToolButtonStyle.ToolButtonIconOnly}
+
+
+def test_long_work_shows_progress_and_can_be_cancelled(shell: MainWindow, qtbot: QtBot) -> None:
+    shell.show()
+    done: list[object] = []
+
+    def work(progress: Progress) -> None:
+        for _ in range(2000):
+            progress.report(0.3, "Counting sheep")
+            time.sleep(0.01)
+
+    job = shell.controller.run("Long work", work, done.append)
+    qtbot.wait(300)
+    assert not shell.status.progress.isVisible()  # short work is not worth a flash
+    qtbot.waitUntil(shell.status.progress.isVisible, timeout=3000)
+    assert "Counting sheep" in shell.status.job.toolTip()
+    assert shell.status.progress.value() == 30
+    start = time.monotonic()
+    shell.status.cancel.click()
+    qtbot.waitUntil(lambda: job.over)
+    assert time.monotonic() - start < 0.5
+    qtbot.waitUntil(lambda: not shell.status.progress.isVisible())
+    assert (job.state, done) == ("cancelled", [])
