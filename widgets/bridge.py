@@ -49,6 +49,12 @@ class Bridge(QObject):
         """Jobs that have not ended yet, oldest first."""
         return tuple(self._waiting)
 
+    def abandon(self) -> None:
+        """Cancel everything; what has ended already, but did not arrive yet, is ignored."""
+        for job in self._waiting:
+            job.cancel()
+            self._waiting[job] = _ignore
+
     def close(self) -> None:
         """Cancel everything and end the worker; call before the application goes."""
         self._waiting.clear()
@@ -64,8 +70,14 @@ class Bridge(QObject):
         if job not in self._waiting:
             return
         done = self._waiting.pop(job) if state in ("done", "failed", "cancelled") else None
-        if done is not None and state == "done":
-            done(job.result)
-        self.job_changed.emit(job)
+        try:
+            if done is not None and state == "done":
+                done(job.result)
+        finally:
+            self.job_changed.emit(job)
         if state == "failed":
             self.job_failed.emit(job)
+
+
+def _ignore(_: object) -> None:
+    """The result of a job that was abandoned."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TypeVar
+from weakref import WeakSet
 
 import msgspec
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -12,7 +14,7 @@ from app.core.arrays import Ints
 from app.core.errors import LeafscopeError
 from app.core.progress import Progress
 from app.model.events import Change
-from app.model.fields import Values
+from app.model.fields import Values, fingerprint
 from app.model.operations import AnyOperation
 from app.model.project import Project
 from app.model.scene import Scene, resolve
@@ -20,7 +22,14 @@ from app.model.state import ScanState
 from app.model.view_state import ViewState
 from app.services.jobs import Job
 from widgets.bridge import Bridge
+from widgets.common.aside import copy_aside
 
+R = TypeVar("R")
+Mark = tuple[Any, ...]
+Then = Callable[[], None]
+
+# Changes of the view after which the colouring field is asked for anew.
+ASKING = {"colour", "hidden", "current"}
 EVERYTHING = Change(
     frozenset(
         {
@@ -39,6 +48,15 @@ EVERYTHING = Change(
         }
     )
 )
+
+
+@dataclass(frozen=True, slots=True)
+class _Running:
+    """A field that is being computed for all points, and who waits for it."""
+
+    mark: Mark
+    job: Job
+    thens: list[Then]
 
 
 class Controller(QObject):
@@ -71,7 +89,9 @@ class Controller(QObject):
         self.scene = Scene()
         self._later = QTimer(self, singleShot=True, interval=0)
         self._later.timeout.connect(self._resolve)
-        self._running: dict[tuple[str, str], Job] = {}
+        self._running: dict[tuple[str, str], _Running] = {}
+        self._coloured: dict[tuple[str, str], Mark] = {}
+        self._quiet: WeakSet[Job] = WeakSet()
         self.project.changed.connect(self._on_change)
 
     @property
@@ -89,9 +109,9 @@ class Controller(QObject):
     def adopt(self, project: Project, view: ViewState) -> None:
         """Take another document over: a session, or an empty one."""
         self.project.changed.disconnect(self._on_change)
-        for job in self.bridge.jobs:
-            job.cancel()
+        self.bridge.abandon()
         self._running.clear()
+        self._coloured.clear()
         self.project, self.view = project, view
         self.project.changed.connect(self._on_change)
         self.document_changed.emit(EVERYTHING)
@@ -111,10 +131,12 @@ class Controller(QObject):
 
     def jump(self, steps_in_force: int) -> None:
         """Undo or redo until so many steps are in force."""
-        while len(self.project.history.done) > steps_in_force:
-            self.undo()
-        while len(self.project.history.done) < steps_in_force and self.project.history.undone:
-            self.redo()
+        history = self.project.history
+        while len(history.done) > steps_in_force and self.attempt(self.project.undo):
+            pass
+        while len(history.done) < steps_in_force and history.undone:
+            if not self.attempt(self.project.redo):
+                break
 
     def look(self, **changes: Any) -> None:
         """Change how the document is looked at, e.g. ``look(colour="ndi")``.
@@ -124,19 +146,24 @@ class Controller(QObject):
         self.view = msgspec.structs.replace(self.view, **changes)
         self.view_changed.emit(self.view)
         self._later.start()
-        if self.view.colour:
-            for key, state in self.project.state.scans.items():
-                if not state.closed and key not in self.view.hidden:
-                    self.want(key, self.view.colour)
+        if not changes or changes.keys() & ASKING:
+            self._want_colour(anew=True)
 
     def want(
         self,
         scan: str,
         field: str,
         points: Ints | None = None,
-        then: Callable[[], None] | None = None,
+        then: Then | None = None,
+        quiet: bool = False,
     ) -> None:
-        """Have a field computed for points (None: all) in the background, then call `then`."""
+        """Have a field computed for points (None: all) in the background, then call `then`.
+
+        `then` finds valid values: what went stale meanwhile is computed again before.
+        With `quiet` nobody is told when the scan lacks what the field needs.
+        """
+        if scan not in self.project.state.scans:
+            return
         if field not in self.project.catalogue(scan):
             self.said.emit(f"{self.project.state.scan(scan).scan.name} has no field {field}.")
             return
@@ -145,8 +172,15 @@ class Controller(QObject):
             if then is not None:
                 then()
             return
-        if points is None and (scan, field) in self._running and then is None:
-            return
+        thens = [] if then is None else [then]
+        if not self._join(scan, field, thens):
+            if points is None:
+                thens += self._supersede(scan, field)
+            self._compute(scan, field, points, thens, quiet)
+
+    def _compute(
+        self, scan: str, field: str, points: Ints | None, thens: list[Then], quiet: bool
+    ) -> None:
         project, evaluation = self.project, self.project.evaluation(scan)
 
         def work(progress: Progress) -> dict[str, Values]:
@@ -157,11 +191,41 @@ class Controller(QObject):
         def done(results: dict[str, Values]) -> None:
             if project is self.project:
                 project.accept(scan, results)
-                if then is not None:
-                    then()
+                for then in thens:
+                    self.want(scan, field, points, then)
 
-        title = self.project.catalogue(scan)[field].title
-        self._running[scan, field] = self.bridge.submit(f"Computing {title}", work, done)
+        title = project.catalogue(scan)[field].title
+        job = self.bridge.submit(f"Computing {title}", work, done)
+        if points is None:
+            self._running[scan, field] = _Running(self._mark(scan, field), job, thens)
+        if quiet:
+            self._quiet.add(job)
+
+    def carry_out(
+        self,
+        scan: str,
+        title: str,
+        service: Callable[[Project, Progress], R],
+        done: Callable[[R], object] = lambda _: None,
+    ) -> None:
+        """Let a service work on a copy of the document in the background, then do its steps.
+
+        When the document has changed meanwhile, the service works again on a new copy.
+        """
+        project, state = self.project, self.project.state
+        aside = copy_aside(project, scan)
+
+        def adopt(result: R) -> None:
+            if project is not self.project:
+                return
+            if project.state is not state:
+                self.carry_out(scan, title, service, done)
+                return
+            steps = [entry.operation for entry in aside.history.log if entry.operation is not None]
+            if all([self.do(step) for step in steps]):
+                done(result)
+
+        self.bridge.submit(title, lambda progress: service(aside, progress), adopt)
 
     def run(self, title: str, work: Callable[[Progress], Any], done: Callable[[Any], None]) -> Job:
         """Run work that touches only arrays and frozen things; `done` may use the document."""
@@ -185,24 +249,53 @@ class Controller(QObject):
     def _on_change(self, change: Change) -> None:
         self.document_changed.emit(change)
         self._later.start()
-        if change.aspects - {"fields", "selection"} and self.view.colour:
-            self._refresh_colour()
+        if change.aspects - {"fields", "selection"}:
+            self._want_colour()
 
-    def _refresh_colour(self) -> None:
-        # What colours the view may have become stale; ask for it again, once.
-        for cloud in resolve(self.project, self.view).clouds:
-            if cloud.missing and cloud.missing in self.project.catalogue(cloud.scan):
-                self.want(cloud.scan, cloud.missing)
+    def _want_colour(self, anew: bool = False) -> None:
+        # What failed or was cancelled is not asked for again until something that it depends
+        # on is different, or the user asks for the colour anew.
+        field = self.view.colour
+        for scan, state in self.project.state.scans.items():
+            there = bool(field) and field in self.project.catalogue(scan)
+            if not field or state.closed or scan in self.view.hidden or not (there or anew):
+                continue
+            mark = self._mark(scan, field) if there else ()
+            if anew or self._coloured.get((scan, field)) != mark:
+                self._coloured[scan, field] = mark
+                self.want(scan, field, quiet=not anew)
+
+    def _mark(self, scan: str, field: str) -> Mark:
+        project = self.project
+        return fingerprint(project.catalogue(scan), field, project.subject(scan))
+
+    def _join(self, scan: str, field: str, thens: list[Then]) -> bool:
+        # The whole field is on its way already: wait for it.
+        running = self._running.get((scan, field))
+        if running is None or running.job not in self.bridge.jobs:
+            return False
+        if running.job.stopping or running.mark != self._mark(scan, field):
+            return False
+        running.thens.extend(thens)
+        return True
+
+    def _supersede(self, scan: str, field: str) -> list[Then]:
+        # Nobody needs what is computed from older parameters, but who waits goes on waiting.
+        running = self._running.pop((scan, field), None)
+        if running is None or running.job not in self.bridge.jobs:
+            return []
+        running.job.cancel()
+        return running.thens
 
     def _resolve(self) -> None:
-        self._running = {key: job for key, job in self._running.items() if not job.over}
         self.scene = resolve(self.project, self.view)
         self.scene_changed.emit(self.scene)
 
     def _report(self, job: Job) -> None:
         error = job.error
         if isinstance(error, LeafscopeError):
-            self.failed.emit(error)
+            if job not in self._quiet:
+                self.failed.emit(error)
         elif error is not None:
             wrapped = LeafscopeError(f"{job.title} failed: {error}.", "Please report it.")
             wrapped.__cause__ = error

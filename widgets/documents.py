@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
@@ -15,10 +16,11 @@ from app.model.operations import CloseScan, SetPose
 from app.model.project import Project
 from app.model.scan import Pose, Scan, Vector
 from app.model.view_state import ViewState
-from app.services.export import Portion, export, gather
+from app.services.export import Portion, export, gather, provenance
 from app.services.opening import add_scans, given_pose, propose_pose
 from app.services.reading import read_file
 from app.services.sessions import open_session, save_session
+from widgets.common.aside import copy_aside
 from widgets.controller import Controller
 
 
@@ -53,8 +55,7 @@ class Documents(QObject):
         """Read the file of a scan again, in another way; the scan as it was is closed."""
         source = self._controller.project.state.scan(scan).scan.source
         if source is not None:
-            self._controller.do(CloseScan(scan))
-            self._open_scan(Path(source.path), options)
+            self._open_scan(Path(source.path), options, scan)
 
     def new(self) -> None:
         """Begin an empty session."""
@@ -91,27 +92,29 @@ class Documents(QObject):
         controller, key = self._controller, self._controller.current
         if key is None:
             return
-        project = controller.project
-        evaluation = project.evaluation(key)
+        project, aside = controller.project, copy_aside(controller.project, key)
+        evaluation, made_by = project.evaluation(key), provenance(project, key)
 
         def compute(progress: Progress) -> None:
             evaluation.progress = progress
             for name in fields:
                 evaluation.read(name)
 
-        def write(_: object) -> None:
-            project.accept(key, evaluation.results)
-            controller.attempt(collect)
+        def write(progress: Progress) -> int:
+            cloud = gather(aside, key, fields, portion)
+            export(replace(cloud, provenance=made_by), path, True, progress)
+            return len(cloud.scan)
 
-        def collect() -> None:
-            cloud = gather(project, key, fields, portion)
+        def then(_: object) -> None:
+            project.accept(key, evaluation.results)
+            aside.cache.accept(key, evaluation.results)
             controller.run(
                 f"Writing {path.name}",
-                lambda progress: export(cloud, path, True, progress),
-                lambda _: controller.said.emit(f"{len(cloud.scan):,} points written to {path}."),
+                write,
+                lambda points: controller.said.emit(f"{points:,} points written to {path}."),
             )
 
-        controller.run("Computing what is exported", compute, write)
+        controller.run("Computing what is exported", compute, then)
 
     def set_origin(self, scan: str, position: Vector | None) -> None:
         """Say where the scanner stood; None means unknown."""
@@ -123,11 +126,16 @@ class Documents(QObject):
         """Accept a proposed position; it is recorded as assumed."""
         self._controller.do(SetPose(scan, pose))
 
-    def _open_scan(self, path: Path, options: ReadOptions) -> None:
+    def _open_scan(self, path: Path, options: ReadOptions, instead_of: str = "") -> None:
         def work(progress: Progress) -> list[Scan]:
             return read_file(path, options, progress)
 
-        self._controller.run(f"Opening {path.name}", work, self._add)
+        def done(scans: list[Scan]) -> None:
+            if instead_of in self._controller.project.state.scans:
+                self._controller.do(CloseScan(instead_of))
+            self._add(scans)
+
+        self._controller.run(f"Opening {path.name}", work, done)
 
     def _add(self, scans: list[Scan]) -> None:
         controller = self._controller

@@ -9,21 +9,24 @@ import msgspec
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
+from app.core.arrays import Ints
 from app.core.progress import Progress
 from app.core.screen import LassoResult, View, select_in_lasso
 from app.model.leaf import FitRecord, Leaf
 from app.model.operations import MarkGhosts, PutLeaf, Select, SetDeleted, SetParameters, Several
 from app.model.parameters import Curve
 from app.model.points import EMPTY, PointSet
-from app.model.selection import Difference, Explicit, Lasso, LassoMode, Selection
+from app.model.project import Project
+from app.model.selection import Difference, Explicit, Lasso, LassoMode, Selection, Union
 from app.model.state import next_key
 from app.services.cleaning import correct_ghosts, delete_ghosts, mark_ghosts
-from app.services.curves import fit_leaves, use_curve, use_fit
+from app.services.curves import fit_leaves, members_of, use_curve, use_fit
 from app.services.leaves import find_leaves, key_number
 from widgets.controller import Controller
 
 Purpose = Literal["select", "leaf", "ghost", "delete"]
 Combine = Literal["replace", "add", "subtract"]
+Service = Callable[[Project, str, Progress], object]
 
 
 class LeafWork(QObject):
@@ -75,7 +78,7 @@ class LeafWork(QObject):
         combine: Combine = "replace",
     ) -> None:
         """Do with points what a tool is for; an empty set changes nothing."""
-        if len(points) == 0:
+        if len(points) == 0 or scan not in self._controller.project.state.scans:
             return
         if purpose == "leaf":
             self._extend_leaf(scan, points, basis, combine)
@@ -89,9 +92,15 @@ class LeafWork(QObject):
         elif purpose == "delete":
             self._controller.do(SetDeleted(scan, points, combine != "subtract", basis))
         else:
-            old = self._controller.project.state.scan(scan).selection
-            combined = {"replace": points, "add": old | points, "subtract": old - points}[combine]
-            self._controller.do(Select(scan, combined, basis))
+            self._select(scan, points, basis, combine)
+
+    def _select(self, scan: str, points: PointSet, basis: Selection, combine: Combine) -> None:
+        old = self._controller.project.state.scan(scan).selection
+        if combine == "add":
+            points, basis = old | points, Union((Explicit(old), basis))
+        elif combine == "subtract":
+            points, basis = old - points, Difference(Explicit(old), basis)
+        self._controller.do(Select(scan, points, basis))
 
     def _extend_leaf(self, scan: str, points: PointSet, basis: Selection, combine: Combine) -> None:
         leaves = self._controller.project.state.leaves
@@ -121,7 +130,7 @@ class LeafWork(QObject):
     def merge(self, keys: Sequence[str]) -> None:
         """Make one leaf of several: the first keeps its name."""
         leaves = [self._controller.project.state.leaves[key] for key in keys]
-        if len(leaves) < 2:
+        if len(leaves) < 2 or len({leaf.scan for leaf in leaves}) > 1:
             return
         members = PointSet(np.concatenate([leaf.members.indices for leaf in leaves]))
         basis = tuple(part for leaf in leaves for part in leaf.basis)
@@ -150,26 +159,28 @@ class LeafWork(QObject):
 
     def find_all(self) -> None:
         """Segment the current scan into leaves."""
-        self._with_field("ghost", lambda key: find_leaves(self._controller.project, key))
+        state = self._controller.scan
+        # Without a position there are no ghosts to leave out, but there are leaves.
+        needed = "ghost" if state is not None and state.scan.pose is not None else None
+        self._carry_out("Finding leaves", needed, find_leaves)
 
     def fit(self, keys: Sequence[str], model: str, channel: str) -> None:
         """Fit a model to leaves (none: the whole scan); the fit is kept as a step."""
         scan = self._controller.current
         if scan is None:
             return
-        leaves = self._controller.project.state.leaves
-        rows = [leaves[key].members.indices for key in keys]
-        points = np.unique(np.concatenate(rows)) if rows else None
+        controller, project = self._controller, self._controller.project
+        points: list[Ints | None] = []
+        if not controller.attempt(lambda: points.append(members_of(project, scan, keys))):
+            return
+
+        def service(aside: Project, progress: Progress) -> FitRecord:
+            return fit_leaves(aside, scan, keys, model, channel, progress)
 
         def then() -> None:
-            record: list[FitRecord] = []
-            project = self._controller.project
-            if self._controller.attempt(
-                lambda: record.append(fit_leaves(project, scan, keys, model, channel))
-            ):
-                self.fitted.emit(record[0])
+            controller.carry_out(scan, "Fitting", service, self.fitted.emit)
 
-        self._controller.want(scan, "incidence", points, then)
+        controller.want(scan, "incidence", points[0], then)
 
     def use_fit(self, record: FitRecord) -> None:
         """Make a fit the curve in use."""
@@ -193,24 +204,30 @@ class LeafWork(QObject):
 
     def mark_ghosts(self) -> None:
         """Mark what the threshold calls ghosts."""
-        self._with_field("ghost", lambda key: mark_ghosts(self._controller.project, key))
+        self._carry_out("Marking ghosts", "ghost", mark_ghosts)
 
     def delete_ghosts(self) -> None:
         """Delete what counts as ghosts."""
-        self._with_field("ghost", lambda key: delete_ghosts(self._controller.project, key))
+        self._carry_out("Deleting ghosts", "ghost", delete_ghosts)
 
     def correct_ghosts(self) -> None:
         """Put ghosts back on their surface."""
-        self._with_field("ghost", lambda key: correct_ghosts(self._controller.project, key))
+        self._carry_out("Correcting ghosts", "ghost", correct_ghosts)
 
     def _put(self, leaf: Leaf, members: PointSet, basis: tuple[Selection, ...], verb: str) -> None:
         changed = msgspec.structs.replace(leaf, members=members, basis=basis)
         self._controller.do(PutLeaf(leaf.key, changed, verb))
 
-    def _with_field(self, field: str, deed: Callable[[str], object]) -> None:
-        key = self._controller.current
-        if key is not None:
-            self._controller.want(key, field, None, lambda: self._attempt(deed, key))
+    def _carry_out(self, title: str, field: str | None, service: Service) -> None:
+        # The field is asked for first, so that the document keeps it.
+        controller, key = self._controller, self._controller.current
+        if key is None:
+            return
 
-    def _attempt(self, deed: Callable[[str], object], key: str) -> None:
-        self._controller.attempt(lambda: deed(key))
+        def then() -> None:
+            controller.carry_out(key, title, lambda aside, progress: service(aside, key, progress))
+
+        if field is None:
+            then()
+        else:
+            controller.want(key, field, None, then)

@@ -136,14 +136,19 @@ class MainWindow(QMainWindow):
         self.picture.attach(view)
         view.camera_moved.connect(self._follow_camera)
         self.docks.fill(self.controller, self.work, self.documents)
-        for panel in self.docks.panels.values():
-            asked = getattr(panel, "origin_asked", None)
-            if asked is not None:
-                asked.connect(self._ask_origin)
+        self._connect_panels()
         self.picture.picker.picked.connect(partial(self.docks.raise_panel, "pick"))
         self.picture.picker.described.connect(self._show_point)
         self.desk.views.remember_layout()
         self._follow_scene(self.controller.scene)
+
+    def _connect_panels(self) -> None:
+        panels = self.docks.panels
+        for name in ("scans", "phase_lab", "wrinkles", "ghosts"):
+            panels[name].origin_asked.connect(self._ask_origin)  # type: ignore[attr-defined]
+        panels["scans"].channel_asked.connect(self._ask_channel)  # type: ignore[attr-defined]
+        chosen = panels["leaves"].chosen  # type: ignore[attr-defined]
+        chosen.connect(panels["phase_lab"].choose_leaves)  # type: ignore[attr-defined]
 
     def put_away(self) -> None:
         """Close the picture and end the worker, in this order; a second time does nothing."""
@@ -198,6 +203,11 @@ class MainWindow(QMainWindow):
         if scan and scan != self.controller.current:
             self.controller.look(current=scan)
         self.desk.scans.set_origin()
+
+    def _ask_channel(self, scan: str, channel: str) -> None:
+        if scan != self.controller.current:
+            self.controller.look(current=scan)
+        self.desk.scans.name_channel(channel)
 
     def _show_point(self, values: object) -> None:
         self.docks.panels["pick"].set_values(values)  # type: ignore[attr-defined]

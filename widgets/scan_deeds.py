@@ -97,7 +97,9 @@ class ScanDeeds(QObject):
         dialog.chosen.connect(partial(self._documents.open, [path]))
         dialog.open()
 
-    def name_channel(self) -> None:
-        """Ask which attribute is an intensity, at which wavelength."""
+    def name_channel(self, channel: str = "") -> None:
+        """Ask which attribute is an intensity, at which wavelength; `channel` comes first."""
         if self._controller.current is not None:
-            ChannelDialog(self._controller, self._window).open()
+            dialog = ChannelDialog(self._controller, self._window)
+            dialog.show_channel(channel)
+            dialog.open()

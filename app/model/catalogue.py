@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from app.core.arrays import Floats, Ints
-from app.core.errors import BadInput, MissingChannel
+from app.core.errors import BadInput, LeafscopeError, MissingChannel
 from app.core.indices import NAMED, NamedIndex, match_channels
 from app.core.indices import evaluate as evaluate_index
 from app.core.units import to_degrees, to_radians
@@ -26,8 +26,9 @@ def build_catalogue(scan: Scan, formulas: Iterable[Formula] = ()) -> Catalogue:
     """
     specs = [*GEOMETRY, *map(channel_field, scan.channels)]
     specs += [index_field(index, scan) for index in NAMED.values()]
-    specs += [formula_field(formula, scan) for formula in formulas]
     catalogue = {spec.name: spec for spec in specs}
+    for formula in formulas:  # never in place of a field that others are computed from
+        catalogue.setdefault(formula.name, formula_field(formula, scan))
     for name, values in scan.attributes.items():
         if name not in catalogue and values.dtype.kind in "buif":
             catalogue[name] = attribute_field(name)
@@ -56,7 +57,15 @@ def channel_field(channel: Channel) -> FieldSpec:
 
     nm = "" if channel.wavelength_nm is None else f"{channel.wavelength_nm:g}"
     title = channel.name if nm in channel.name else f"{channel.name} ({nm} nm)"
-    return FieldSpec(channel.name, title, CHANNEL_UNITS[channel.kind], "scalar", compute)
+    return FieldSpec(
+        channel.name,
+        title,
+        CHANNEL_UNITS[channel.kind],
+        "scalar",
+        compute,
+        needs=("channels",),
+        stored=channel.name == channel.attribute,
+    )
 
 
 def attribute_field(name: str) -> FieldSpec:
@@ -66,7 +75,7 @@ def attribute_field(name: str) -> FieldSpec:
         values = evaluation.subject.state.scan.attributes[name]
         return Computed(_rows(values, points).astype(np.float64))
 
-    return FieldSpec(name, name, "", "scalar", compute)
+    return FieldSpec(name, name, "", "scalar", compute, stored=True)
 
 
 def index_field(index: NamedIndex, scan: Scan) -> FieldSpec:
@@ -91,14 +100,19 @@ def formula_field(formula: Formula, scan: Scan) -> FieldSpec:
     """A user's own formula over channels."""
     from app.core.formula import compile_formula
 
-    compiled = compile_formula(formula.text, [channel.name for channel in scan.channels])
+    channels = [channel.name for channel in scan.channels]
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
+        compiled = compile_formula(formula.text, channels)
         values = {name: evaluation.read(name, points) for name in compiled.names}
         return Computed(compiled.evaluate(values))
 
+    try:
+        inputs = compile_formula(formula.text, channels).names
+    except LeafscopeError:
+        inputs = ()
     title = f"{formula.name} = {formula.text}"
-    return FieldSpec(formula.name, title, "", "scalar", compute, tuple(compiled.names))
+    return FieldSpec(formula.name, title, "", "scalar", compute, tuple(inputs))
 
 
 def compute_range(evaluation: Evaluation, points: Ints | None) -> Computed:
@@ -147,11 +161,14 @@ def compute_incidence_from_intensity(evaluation: Evaluation, points: Ints | None
 def compute_delta_omega(evaluation: Evaluation, points: Ints | None) -> Computed:
     """Angle from intensity less the angle of the leaf's plane, degrees (Balduzzi 2011)."""
     asked = np.arange(evaluation.size) if points is None else points
-    plane_angle = np.full(len(asked), np.nan)
+    wanted = np.zeros(evaluation.size, bool)
+    wanted[asked] = True
+    angle_of = np.full(evaluation.size, np.nan)
     for leaf in evaluation.subject.leaves:
-        inside = np.isin(asked, leaf.members.indices, assume_unique=True)
-        if inside.any():
-            plane_angle[inside] = leaf_incidence(evaluation, leaf.members.indices)
+        members = leaf.members.indices
+        if wanted[members].any():
+            angle_of[members] = leaf_incidence(evaluation, members)
+    plane_angle = angle_of[asked]
     values = np.full(len(asked), np.nan)
     rows = np.flatnonzero(np.isfinite(plane_angle))
     if len(rows):
@@ -247,10 +264,11 @@ GEOMETRY = (
         "angle",
         compute_incidence_from_intensity,
         parameters=("curve", "channel"),
+        needs=("channels",),
     ),
     FieldSpec(
         "delta_omega",
-        "Δω (angle from intensity − leaf plane)",
+        "Δω: intensity − plane",
         "°",
         "signed angle",
         compute_delta_omega,
@@ -265,7 +283,7 @@ GEOMETRY = (
         "score",
         compute_ghost_score,
         ("incidence",),
-        needs=("points", "pose"),
+        needs=("points", "pose", "channels"),
     ),
     FieldSpec(
         "ghost",

@@ -27,16 +27,17 @@ class FieldCache:
 
     def accept(self, scan: str, results: Mapping[str, Values]) -> None:
         """Take over what an evaluation found, and count the points that it computed."""
+        self.count(scan, results)
+        for name, values in results.items():
+            held = self._held.get((scan, name))
+            self._held[scan, name] = values if held is None else held.join(values)
+
+    def count(self, scan: str, results: Mapping[str, Values]) -> None:
+        """Count the points that an evaluation computed, whether or not its values are kept."""
         for name, values in results.items():
             self._computed[scan, name] = self._computed.get((scan, name), 0) + values.fresh
             values.fresh = 0
-            self._held[scan, name] = values
 
     def computed(self, scan: str) -> dict[str, int]:
         """Points computed since the scan was opened, per field."""
         return {name: n for (key, name), n in self._computed.items() if key == scan}
-
-    def forget(self, scan: str) -> None:
-        """Drop the values of a scan; they are computed again when somebody asks."""
-        for key in [key for key in self._held if key[0] == scan]:
-            del self._held[key]

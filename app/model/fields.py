@@ -20,7 +20,7 @@ from app.model.leaf import Leaf
 from app.model.state import ScanState
 
 FieldKind = Literal["scalar", "angle", "signed angle", "score", "flag", "class"]
-Need = Literal["points", "pose", "marks", "deleted", "leaves"]
+Need = Literal["points", "pose", "channels", "marks", "deleted", "leaves"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +53,10 @@ class FieldSpec:
         Other fields that it reads.
     parameters : tuple of str
         Attributes of `Parameters` that it depends on.
-    needs : tuple of {'points', 'pose', 'marks', 'deleted', 'leaves'}
+    needs : tuple of {'points', 'pose', 'channels', 'marks', 'deleted', 'leaves'}
         Parts of the scan that it reads besides.
+    stored : bool
+        The values are those of the attribute of the same name, as the file holds them.
     compute : callable
         Given the evaluation and the points (None for all), gives one value per point.
     """
@@ -67,6 +69,7 @@ class FieldSpec:
     inputs: tuple[str, ...] = ()
     parameters: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
+    stored: bool = False
 
 
 Catalogue = Mapping[str, FieldSpec]
@@ -106,12 +109,14 @@ def fingerprint(catalogue: Catalogue, name: str, subject: Subject) -> tuple[Any,
                 parts.append(Same(state.scan.xyz))
             case "pose":
                 parts.append(state.scan.pose)
+            case "channels":
+                parts.append(state.scan.channels)
             case "marks":
                 parts.append(Same(state.marks))
             case "deleted":
                 parts.append(Same(state.deleted))
             case "leaves":
-                parts.append(tuple(Same(leaf.members) for leaf in subject.leaves))
+                parts.append(tuple((leaf.key, Same(leaf.members)) for leaf in subject.leaves))
     parts += [fingerprint(catalogue, other, subject) for other in spec.inputs]
     return _hashable(parts)
 
@@ -167,6 +172,22 @@ class Values:
         self.fresh += len(computed.values)
         self.complete = self.complete or self.computed == len(self.values)
         self.notes.update(computed.notes)
+
+    def join(self, newer: Values) -> Values:
+        """What is known after `newer` arrived: a few points never replace many.
+
+        Values that were handed out are read in workers, so only `newer` is filled up.
+        """
+        if newer.fingerprint != self.fingerprint or newer.complete:
+            return newer
+        if self.complete:
+            return self
+        rows = np.flatnonzero(self.have & ~newer.have)
+        newer.values[rows] = self.values[rows]
+        newer.have[rows] = True
+        newer.computed += len(rows)
+        newer.complete = newer.computed == len(newer.values)
+        return newer
 
     def add_seconds(self, seconds: Mapping[str, float]) -> None:
         """Add run time, stage by stage."""

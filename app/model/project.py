@@ -12,7 +12,7 @@ from app.core.progress import QUIET, Progress
 from app.model.catalogue import build_catalogue
 from app.model.events import Aspect, Change
 from app.model.field_cache import FieldCache
-from app.model.fields import Catalogue, Evaluation, Same, Subject, Values
+from app.model.fields import Catalogue, Evaluation, Same, Subject, Values, fingerprint
 from app.model.history import DEFAULT_CAP, Entry, History
 from app.model.operations import AnyOperation
 from app.model.scan import Scan
@@ -93,9 +93,14 @@ class Project:
         )
 
     def accept(self, scan: str, results: Mapping[str, Values]) -> None:
-        """Take over computed fields and tell who watches."""
-        self.cache.accept(scan, results)
-        self.changed.emit(Change(frozenset({"fields"}), frozenset(results)))
+        """Take over computed fields and tell who watches; what has become stale is dropped."""
+        self.cache.count(scan, results)
+        valid = {
+            name: values for name, values in results.items() if self._is_valid(scan, name, values)
+        }
+        if valid:
+            self.cache.accept(scan, valid)
+            self.changed.emit(Change(frozenset({"fields"}), frozenset(valid)))
 
     def field(
         self, scan: str, name: str, points: Ints | None = None, progress: Progress = QUIET
@@ -110,6 +115,11 @@ class Project:
     def known_field(self, scan: str, name: str) -> Values | None:
         """Valid values of a field as far as they are there; computes nothing."""
         return self.cache.find(scan, self.catalogue(scan), name, self.subject(scan))
+
+    def _is_valid(self, scan: str, name: str, values: Values) -> bool:
+        if scan not in self.state.scans or name not in self.catalogue(scan):
+            return False
+        return values.fingerprint == fingerprint(self.catalogue(scan), name, self.subject(scan))
 
     def _replace_state(self, new: State) -> None:
         old, self.state = self.state, new

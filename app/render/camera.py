@@ -91,6 +91,19 @@ def pan(camera: Camera, right: float, up: float) -> Camera:
     )
 
 
+def make_room(camera: Camera, share: float, aspect: float) -> Camera:
+    """Turn aside, so that a share of the picture at its right stays free for a legend.
+
+    What was in the middle stands in the middle of the rest; the viewer does not move
+    unless the view is orthographic, where turning would show another side.
+    """
+    if camera.parallel_scale is not None:
+        return pan(camera, -share * aspect / 2, 0.0)
+    right, _, _ = camera.axes()
+    step = share * aspect * camera.half_height * right
+    return replace(camera, focal_point=_vector(camera.focal_point + step))
+
+
 def zoom(camera: Camera, factor: float, right: float = 0.0, up: float = 0.0) -> Camera:
     """Come closer by a factor; what lies `right` and `up` of the middle stays where it is.
 

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from app.core.arrays import Floats, Ints
-from app.core.errors import BadInput, MissingChannel
+from app.core.errors import BadInput, MissingChannel, WrongUse
 from app.core.fitting import FitResult, fit
 from app.core.progress import QUIET, Progress
 from app.core.units import to_radians
@@ -79,7 +79,7 @@ def fit_leaves(
         Too few points with an angle and an intensity.
     """
     channel = channel or channel_in_use(project, scan)
-    points = members_of(project, leaves)
+    points = members_of(project, scan, leaves)
     angle, value = angles_and_values(project, scan, points, channel, progress)
     result = fit_values(angle, value, model, binned=points is None)
     key = next_key(project.state.fits, "fit")
@@ -98,11 +98,21 @@ def fit_values(angle: Floats, value: Floats, model: str, binned: bool = False) -
     return fit(model, to_radians(angles), values, weights=counts)
 
 
-def members_of(project: Project, leaves: Sequence[str]) -> Ints | None:
-    """Points of the leaves; None when none is named."""
+def members_of(project: Project, scan: str, leaves: Sequence[str]) -> Ints | None:
+    """Points of leaves of a scan; None when none is named.
+
+    Raises
+    ------
+    WrongUse
+        One of them is not there, or belongs to another scan.
+    """
     if not leaves:
         return None
-    return np.unique(np.concatenate([project.state.leaves[k].members.indices for k in leaves]))
+    there = {leaf.key: leaf.members for leaf in project.state.leaves_of(scan)}
+    for key in leaves:
+        if key not in there:
+            raise WrongUse(f"There is no {key} in {project.state.scan(scan).scan.name}.")
+    return np.unique(np.concatenate([there[key].indices for key in leaves]))
 
 
 def use_fit(project: Project, record: FitRecord) -> None:

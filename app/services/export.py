@@ -15,6 +15,7 @@ from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
 from app.formats.cloud import Cloud
 from app.formats.saving import save
+from app.model.fields import find_spec
 from app.model.project import Project
 from app.model.scan import Scan
 
@@ -53,7 +54,7 @@ def gather(
     catalogue = project.catalogue(scan)
     values: dict[str, AnyArray] = {}
     for name in fields:
-        if name in state.scan.attributes:
+        if find_spec(catalogue, name).stored:
             continue  # the file's own values travel with the scan, in their own type
         values[name] = as_stored(project.field(scan, name, None, progress), name, project, scan)
     values |= judgements(project, scan)

@@ -27,13 +27,10 @@ class Job:
         What the user reads.
     work : callable
         Gets a `Progress`; must not touch the document, Qt or VTK.
-    generation : int
-        What the asker compares to tell a stale result from a fresh one.
     """
 
-    def __init__(self, title: str, work: Work, generation: int = 0) -> None:
+    def __init__(self, title: str, work: Work) -> None:
         self.title = title
-        self.generation = generation
         self.state: JobState = "waiting"
         self.fraction = 0.0
         self.text = ""
@@ -54,6 +51,11 @@ class Job:
         if self.state != "running" or self.fraction < 0.02:
             return None
         return (time.monotonic() - self.started) * (1.0 - self.fraction) / self.fraction
+
+    @property
+    def stopping(self) -> bool:
+        """Whether it was asked to stop."""
+        return self._cancelled.is_set()
 
     def cancel(self) -> None:
         """Ask the work to stop; it does at its next report."""
@@ -94,26 +96,29 @@ class JobQueue:
         self._tell = tell
         self._queue: queue.Queue[Job | None] = queue.Queue()
         self._current: Job | None = None
+        self._closing = False
         self._thread = threading.Thread(target=self._serve, name="leafscope-worker", daemon=True)
         self._thread.start()
 
-    def submit(self, title: str, work: Work, generation: int = 0) -> Job:
+    def submit(self, title: str, work: Work) -> Job:
         """Queue a piece of work and give its job."""
-        job = Job(title, work, generation)
+        job = Job(title, work)
         self._queue.put(job)
         return job
 
     def close(self, wait: float = 2.0) -> None:
         """Cancel what runs, drop what waits, end the thread."""
-        while not self._queue.empty():
-            self._queue.get_nowait()
-        if self._current is not None:
-            self._current.cancel()
+        self._closing = True
+        current = self._current  # the worker may let go of it at any moment
+        if current is not None:
+            current.cancel()
         self._queue.put(None)
         self._thread.join(wait)
 
     def _serve(self) -> None:
         while (job := self._queue.get()) is not None:
             self._current = job
+            if self._closing:
+                continue
             job.run(self._tell)
             self._current = None

@@ -157,7 +157,7 @@ def replay_log(project: Project, session: Session) -> list[dict[str, Any]]:
 
 
 def _check_fit(project: Project, record: FitRecord) -> dict[str, Any]:
-    points = members_of(project, record.leaves)
+    points = members_of(project, record.scan, record.leaves)
     angle, value = angles_and_values(project, record.scan, points, record.channel)
     again = plain(fit_values(angle, value, record.model, binned=not record.leaves))
     return {

@@ -16,6 +16,7 @@ from widgets.common.angular_points import AngularPoints
 from widgets.common.plots import ORANGE, DensityImage, Plot, mix
 
 STEEPEST_DRAWN = 89.9
+HEADROOM = 0.15
 TICKS = range(0, 91, 15)
 DRAWN = np.linspace(0.0, STEEPEST_DRAWN, 361)
 
@@ -51,7 +52,7 @@ class AngularPlot(Plot):
     def show_points(self, points: AngularPoints) -> None:
         """Show points and their means, in the colours of the palette."""
         dots, means = points.dots, points.means
-        faint = QColor(mix(self.ink, self.accent, 0.3))
+        faint = QColor(mix(self.ink, self.palette().base().color(), 0.4))
         faint.setAlphaF(0.35 if dots is not None and len(dots[0]) > 2000 else 0.6)
         x, y = dots if dots is not None else (np.zeros(0), np.zeros(0))
         self._dots.setData(x, y, size=self.dot_size(), brush=faint, pen=None)
@@ -68,8 +69,8 @@ class AngularPlot(Plot):
             brush=ORANGE,
             pen=self.pen(self.palette().base().color(), 1.0),
         )
-        top = points.top if points.top > 0.0 else 1.0
-        self.setYRange(0.0, 1.15 * top, padding=0.0)
+        height = max(points.top - points.bottom, 1e-12)
+        self.setYRange(points.bottom, points.top + HEADROOM * height, padding=0.0)
 
     def show_curve(
         self,

@@ -33,8 +33,9 @@ class AngularPoints:
         Points with both an angle and an intensity.
     reach : (float, float)
         Smallest and largest angle, degrees; NaN without points.
-    top : float
-        Intensity that all but 0.1 % of the points stay below: the height of the plot.
+    bottom, top : float
+        Intensities that all but 0.2 % of the points lie between: the height of the plot. Zero
+        is part of it unless all are negative (dB).
     dots : (angles in degrees, values) or None
         The points themselves, when they are few.
     density : (counts, angle edges, value edges) or None
@@ -44,6 +45,7 @@ class AngularPoints:
 
     count: int
     reach: tuple[float, float]
+    bottom: float
     top: float
     dots: tuple[Floats, Floats] | None
     density: tuple[AnyArray, Floats, Floats] | None
@@ -67,15 +69,17 @@ def reduce_points(angle: Floats, value: Floats, most_dots: int) -> AngularPoints
     """Keep up to `most_dots` points as they are, turn more of them into a density."""
     if len(angle) == 0:
         none = np.empty(0)
-        return AngularPoints(0, (np.nan, np.nan), 1.0, None, None, Means(none, none, none))
+        return AngularPoints(0, (np.nan, np.nan), 0.0, 1.0, None, None, Means(none, none, none))
     low, top = (float(q) for q in np.quantile(value, (0.001, 0.999)))
+    bottom = min(low, 0.0) if top > 0.0 else low
     few = len(angle) <= most_dots
     return AngularPoints(
         count=len(angle),
         reach=(float(angle.min()), float(angle.max())),
+        bottom=bottom,
         top=top,
         dots=(angle, value) if few else None,
-        density=None if few else _count(angle, value, min(low, 0.0), top),
+        density=None if few else _count(angle, value, bottom, top),
         means=describe_steps(angle, value),
     )
 

@@ -84,7 +84,7 @@ class CurveEditor(QWidget):
     def _show_rows(self) -> None:
         if self._model is None:
             return
-        size = max(abs(self.points.top), 1e-12)
+        size = max(abs(self.points.top), abs(self.points.bottom), 1e-12)
         if self._rows_for != (self._model.name, size):
             self.rows.show_model(self._model, size)
             self._rows_for = (self._model.name, size)

@@ -32,7 +32,7 @@ class DeltaMap(Plot):
         (left, right), (low, high) = seen.azimuth, seen.elevation
         self.image.setImage(paint(seen, limit), levels=(0, 255))
         self.image.setRect(QRectF(left, low, right - left, high - low))
-        self.autoRange(padding=0.04)
+        self.autoRange(padding=0.08)
 
 
 class DeltaHistogram(Plot):
@@ -67,9 +67,8 @@ class DeltaHistogram(Plot):
             line.setPos(float(to_degrees(angle)))
             line.setPen(self.pen(faint, 1.5, dashed))
         self._name_lines()
-        outer = np.abs(to_degrees(np.array(spread.quantiles))).max()
-        reach = max(limit, float(outer)) + 2.0
-        self.setXRange(-reach, reach, padding=0.0)
+        reach = min(max(limit, float(np.abs(edges).max())), 2 * limit)
+        self.setXRange(-reach, reach, padding=0.03)
         self.setYRange(0.0, 125 * float(spread.fraction.max()), padding=0.0)
 
     def _name_lines(self) -> None:

@@ -49,6 +49,9 @@ class LeafMeasures(QObject):
 
     def measure(self, leaves: tuple[Leaf, ...]) -> None:
         """Measure in the background what is new or changed, and only that."""
+        there = self._controller.project.state.leaves
+        self._rows = {key: row for key, row in self._rows.items() if key in there}
+        self._asked = {key: mark for key, mark in self._asked.items() if key in there}
         scan, state = self._controller.current, self._controller.scan
         if scan is None or state is None:
             return

@@ -8,10 +8,10 @@ from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
 
-from app.core.arrays import Floats, Ints
+from app.core.arrays import Ints
 from app.model.events import Change
 from app.model.fields import Same, fingerprint
-from widgets.controller import Controller
+from widgets.controller import EVERYTHING, Controller
 from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
 
@@ -50,6 +50,8 @@ class Panel(QWidget):
 
     def on_document(self, change: Change) -> None:
         """Note that the document changed."""
+        if change is EVERYTHING:
+            self._asked.clear()  # it holds on to the arrays of the document before
         self.refresh_soon()
 
     def refresh_soon(self) -> None:
@@ -78,10 +80,6 @@ class Panel(QWidget):
             self._asked[field] = wanted
             self.controller.want(scan, field, points)
         return False
-
-    def known_values(self, scan: str, field: str, points: Ints | None) -> Floats:
-        """Values of a field for which `ask` said yes."""
-        return self.controller.project.field(scan, field, points)
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
         """Catch up with what happened while nobody looked."""

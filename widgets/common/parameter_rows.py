@@ -39,6 +39,8 @@ class ParameterRow(QObject):
         self.field = NumberField(
             field_low, field_high, max(count_decimals(None, step), 3), unit, parent
         )
+        # The slider beside it does what its buttons would, and needs the room.
+        self.field.setButtonSymbols(NumberField.ButtonSymbols.NoButtons)
         self.slider = QSlider(Qt.Orientation.Horizontal, parent)
         self.slider.setRange(0, STEPS)
         self.slider.setPageStep(STEPS // 20)
@@ -180,7 +182,7 @@ def slider_range(parameter: Parameter, size: float) -> tuple[float, float]:
 
 def field_range(parameter: Parameter, size: float) -> tuple[float, float]:
     """Range of a field: the bounds, or what no data of this size can need."""
-    far = 1000.0 * max(size, 1.0)
+    far = 100.0 * size
     return (
         parameter.lower if math.isfinite(parameter.lower) else -far,
         parameter.upper if math.isfinite(parameter.upper) else far,

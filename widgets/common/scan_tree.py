@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 from app.model.state import ScanState, State
 from widgets.common.numbers import show_count
 
+LEAST_LINES, MOST_LINES, LINE_GAP = 3, 8, 4
 KEY = Qt.ItemDataRole.UserRole
 
 
@@ -53,6 +54,13 @@ class ScanTree(QTreeWidget):
         self.currentItemChanged.connect(self._on_current)
         self.itemChanged.connect(self._on_changed)
 
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """As high as its lines, within reason: below it there is more to read."""
+        lines = min(max(len(list(self.items())), LEAST_LINES), MOST_LINES)
+        line = self.fontMetrics().height() + LINE_GAP
+        height = self.header().sizeHint().height() + lines * line + 2 * self.frameWidth()
+        return QSize(super().sizeHint().width(), height)
+
     @property
     def selected(self) -> list[str]:
         """Keys of the selected scans and samples."""
@@ -74,6 +82,7 @@ class ScanTree(QTreeWidget):
             if shape != self._shape:
                 self._shape = shape
                 self._build(open_scans, samples)
+                self.updateGeometry()
             for item in self.items():
                 self._update(item, open_scans, hidden, current)
             if current != self._current or not self.selectedItems():

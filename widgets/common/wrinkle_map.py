@@ -16,7 +16,7 @@ from app.core.wrinkles import Distribution, distribution, shift_of_mean
 from app.model.project import Project
 from app.render.palettes import colour_table
 
-PALE = 90
+FAINT = 90
 LEAST_CELLS, MOST_CELLS = 8, 400
 NEIGHBOURS_TO_FILL = 4
 
@@ -165,9 +165,9 @@ def _close_holes(image: Floats) -> Floats:
 
 
 def paint(seen: SeenLeaf, limit: float) -> AnyArray:
-    """Colours of the map, (rows, columns, 4); doubtful cells pale, empty ones clear."""
+    """Colours of the map, (rows, columns, 4); doubtful cells faint, empty ones clear."""
     share = np.clip((np.nan_to_num(seen.delta) + limit) / (2 * limit), 0.0, 1.0)
     rgba = colour_table("delta-omega")[np.round(share * 255).astype(np.int64)].copy()
-    rgba[seen.doubt > 0.5, 3] = PALE
+    rgba[seen.doubt > 0.5, 3] = FAINT
     rgba[~np.isfinite(seen.delta), 3] = 0
     return rgba

@@ -63,6 +63,12 @@ class ChannelDialog(QDialog):
             kind=KINDS[self.kind.currentIndex()],
         )
 
+    def show_channel(self, name: str) -> None:
+        """Begin with a channel of that name, if there is one."""
+        for channel in self._scan.channels:
+            if channel.name == name:
+                self.attribute.setCurrentText(channel.attribute)
+
     def accept(self) -> None:
         """Take the channel over, as one step of the history."""
         if self.attribute.currentText():

@@ -122,7 +122,9 @@ class PhaseLabPanel(Panel):
         self.fit_button.setEnabled(not missing)
         for widget in (self.choice, self.fit_button, self.use_button, self.in_use):
             widget.setVisible(state is not None)
-        if not missing:
+        if missing:
+            self._points_for = None
+        else:
             self._follow_document()
             self._gather()
         self._tell_use()

@@ -27,7 +27,6 @@ from widgets.controller import Controller
 from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
 
-TREE_LINES = 6
 MOST_CHANNEL_LINES = 8
 
 
@@ -71,8 +70,6 @@ class ScansPanel(Panel):
         self._connect()
 
     def _dress(self) -> None:
-        line = self.fontMetrics().height()
-        self.tree.setMinimumHeight(TREE_LINES * line)
         self.channels.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.warnings.setWordWrap(True)
         self.group_button.setToolTip(
@@ -205,6 +202,9 @@ class ScansPanel(Panel):
         state = self.controller.project.state
         scans = [key for key in self.tree.selected if key in state.scans]
         grouped = [key for key in self._samples_of(self.tree.selected)]
+        several = sum(not scan.closed for scan in state.scans.values()) > 1
+        self.group_button.setVisible(several)
+        self.ungroup_button.setVisible(several)
         self.group_button.setEnabled(len(scans) > 1)
         self.ungroup_button.setEnabled(bool(grouped))
         self.close_button.setEnabled(bool(scans) or self.controller.current is not None)

@@ -218,7 +218,7 @@ class WrinklesPanel(Panel):
                 ),
             ),
             (
-                self.tr("Doubtful (pale)"),
+                self.tr("Doubtful (faint)"),
                 self.tr("{share} % of the points").format(
                     share=show_number(100 * seen.doubtful, 0)
                 ),

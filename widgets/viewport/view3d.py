@@ -17,6 +17,7 @@ from app.render.camera import (
     look_at_points,
     look_from,
     make_orthographic,
+    make_room,
 )
 from app.render.legend import count_points
 from app.render.palettes import Background
@@ -33,6 +34,7 @@ from widgets.viewport.tools.pick import Pick
 from widgets.viewport.tools.tool import Tool
 
 CLICK_REACH = 4  # pixels
+EDGE = 12  # pixels between the colour bar and the border
 
 
 class View3D(QWidget):
@@ -153,17 +155,17 @@ class View3D(QWidget):
     def fit(self, points: Floats) -> None:
         """Show some points, (k, 3) world metres, from the present direction."""
         orthographic = self._camera.parallel_scale is not None
-        self.set_camera(fit_points(self._camera, points, self._canvas.aspect(), orthographic))
+        self._set_beside_bar(fit_points(self._camera, points, self._free_aspect, orthographic))
 
     def view_from(self, scanner: Floats) -> None:
         """Show what the scanner saw."""
-        self.set_camera(look_from(scanner, self._stage.extent(), self._canvas.aspect()))
+        self._set_beside_bar(look_from(scanner, self._stage.extent(), self._free_aspect))
 
     def view_standard(self, name: str) -> None:
         """One of the standard views: top, bottom, front, back, left, right, iso, iso back."""
         orthographic = self._camera.parallel_scale is not None
         extent = self._stage.extent()
-        self.set_camera(look_at_points(extent, name, self._canvas.aspect(), orthographic))
+        self._set_beside_bar(look_at_points(extent, name, self._free_aspect, orthographic))
 
     def set_orthographic(self, on: bool) -> None:
         """Switch between orthographic and perspective."""
@@ -205,7 +207,7 @@ class View3D(QWidget):
         self._stage.set_scale(self.devicePixelRatioF())
         self._canvas.setGeometry(self.rect())
         self._overlay.setGeometry(self.rect())
-        hint, edge = self.colour_bar.sizeHint(), 12
+        hint, edge = self.colour_bar.sizeHint(), EDGE
         height = min(hint.height(), self.height() - 2 * edge)
         left = self.width() - hint.width() - edge
         self.colour_bar.setGeometry(left, edge, hint.width(), max(height, 0))
@@ -216,6 +218,18 @@ class View3D(QWidget):
         self._stage.clear()
         self._canvas.release()
         super().closeEvent(event)
+
+    @property
+    def _bar_share(self) -> float:
+        """Share of the width that the colour bar covers; less than half."""
+        return min((self.colour_bar.sizeHint().width() + 2 * EDGE) / max(self.width(), 1), 0.4)
+
+    @property
+    def _free_aspect(self) -> float:
+        return self._canvas.aspect() * (1.0 - self._bar_share)
+
+    def _set_beside_bar(self, camera: Camera) -> None:
+        self.set_camera(make_room(camera, self._bar_share, self._canvas.aspect()))
 
     def _place(self, camera: Camera) -> None:
         self._camera = camera

@@ -186,3 +186,13 @@ def test_many_points_become_a_density_and_steps_are_described() -> None:
         assert means.value[step] == pytest.approx(value[own].mean())
         assert means.sd[step] == pytest.approx(value[own].std(ddof=1))
     assert reduce_points(angle[:0], value[:0], 10).count == 0
+
+
+def test_the_plot_shows_zero_but_for_decibels() -> None:
+    angle = np.linspace(0, 80, 200)
+    positive = reduce_points(angle, np.linspace(0.4, 0.6, 200), 1000)
+    assert positive.bottom == 0.0
+    assert positive.top == pytest.approx(0.6, abs=0.001)
+    decibels = reduce_points(angle, np.linspace(-20, -5, 200), 1000)
+    assert decibels.bottom == pytest.approx(-20, abs=0.1)
+    assert decibels.top == pytest.approx(-5, abs=0.1)
