@@ -127,17 +127,17 @@ class Documents(QObject):
         self._controller.do(SetPose(scan, pose))
 
     def _open_scan(self, path: Path, options: ReadOptions, instead_of: str = "") -> None:
-        def work(progress: Progress) -> list[Scan]:
-            return read_file(path, options, progress)
+        def work(progress: Progress) -> list[tuple[Scan, Pose | None]]:
+            return [(scan, propose_pose(scan)) for scan in read_file(path, options, progress)]
 
-        def done(scans: list[Scan]) -> None:
+        def done(found: list[tuple[Scan, Pose | None]]) -> None:
             if instead_of in self._controller.project.state.scans:
                 self._controller.do(CloseScan(instead_of))
-            self._add(scans)
+            self._add([scan for scan, _ in found], [pose for _, pose in found])
 
         self._controller.run(f"Opening {path.name}", work, done)
 
-    def _add(self, scans: list[Scan]) -> None:
+    def _add(self, scans: list[Scan], proposed: list[Pose | None]) -> None:
         controller = self._controller
         try:
             keys = add_scans(controller.project, scans)
@@ -148,8 +148,7 @@ class Documents(QObject):
         colour = controller.view.colour or (first.channels[0].name if first.channels else "")
         controller.look(current=keys[0], colour=colour)
         controller.said.emit(f"{first.name}: {sum(map(len, scans)):,} points.")
-        for key, scan in zip(keys, scans, strict=True):
-            pose = propose_pose(scan)
+        for key, pose in zip(keys, proposed, strict=True):
             if pose is not None:
                 self.pose_proposed.emit(key, pose)
 

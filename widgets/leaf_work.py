@@ -18,7 +18,7 @@ from app.model.parameters import Curve
 from app.model.points import EMPTY, PointSet
 from app.model.project import Project
 from app.model.selection import Difference, Explicit, Lasso, LassoMode, Selection, Union
-from app.model.state import next_key
+from app.model.state import next_leaf_key
 from app.services.cleaning import correct_ghosts, delete_ghosts, mark_ghosts
 from app.services.curves import fit_leaves, members_of, use_curve, use_fit
 from app.services.leaves import find_leaves, key_number
@@ -116,7 +116,7 @@ class LeafWork(QObject):
 
     def make_leaf(self, scan: str, points: PointSet, basis: Selection) -> None:
         """Make a leaf of points and let panels work on it."""
-        key = next_key(self._controller.project.state.leaves, "leaf")
+        key = next_leaf_key(self._controller.project.state)
         leaf = Leaf(key, scan, f"Leaf {key_number(key)}", points, (basis,))
         if self._controller.do(PutLeaf(key, leaf)):
             self._controller.look(leaf=key)

@@ -125,6 +125,8 @@ class Picture(QObject):
             return
         state, first = self._controller.view, bool(scene.clouds) and not self._shown
         self._shown = bool(scene.clouds)
+        if not self._shown:
+            self._kept = None  # what comes next brings a camera of its own
         self.view.show_scene(scene, ProjectSource(self._controller.project, state))
         if scene.clouds and state.camera is not None and state.camera != self._kept:
             # A session brought its camera along.

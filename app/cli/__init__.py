@@ -30,6 +30,11 @@ def run(words: Sequence[str], debug: bool = False) -> int:
         return _fail(Cancelled(), debug)
     except MemoryError:
         return _fail(BadInput("There is not enough memory.", "Try --every-nth 10."), debug)
+    except OSError as error:
+        return _fail(BadInput(f"{error.filename or 'A file'}: {error.strerror or error}."), debug)
+    except Exception as error:  # noqa: BLE001 - a fault of ours: told in a sentence, never lost
+        what = f"Leafscope failed: {type(error).__name__}: {error}."
+        return _fail(LeafscopeError(" ".join(what.split()), "Run it with --debug."), debug)
     return 0
 
 

@@ -129,12 +129,15 @@ def compute(
         JSON file with seconds, counts and versions.
     """
     from app.cli.printing import print_report, write_json
+    from app.formats.atomic import refuse_target
     from app.services.compute import compute_file
 
+    if report is not None:
+        refuse_target(report, overwrite)
     parameters = {} if radius is None else {"radius": radius}
     found = compute_file(opening(file, reading), field, out, parameters, overwrite, watch())
     if report is not None:
-        write_json(found, report)
+        write_json(found, report, overwrite)
     print_report(found, out, json)
 
 

@@ -27,11 +27,11 @@ def print_json(value: Any) -> None:
     print(json.dumps(plain(value), indent=2, ensure_ascii=False))
 
 
-def write_json(value: Any, path: Path) -> None:
+def write_json(value: Any, path: Path, overwrite: bool) -> None:
     """Write JSON to a file, whole or not at all."""
     from app.formats.atomic import atomic_path
 
-    with atomic_path(path, overwrite=True) as temporary:
+    with atomic_path(path, overwrite) as temporary:
         temporary.write_text(json.dumps(plain(value), indent=2, ensure_ascii=False))
 
 

@@ -1,4 +1,4 @@
-"""The plane of a whole leaf: least squares regression after Balduzzi, total least squares."""
+"""The plane of a whole leaf: regression after Balduzzi, robust, total least squares."""
 
 from __future__ import annotations
 
@@ -9,11 +9,16 @@ import numpy as np
 from app.core.arrays import AnyArray, Floats, finite_rows
 from app.core.errors import BadInput
 from app.core.incidence import incidence_angle
+from app.core.robust_plane import MEDIAN_TO_SIGMA, SIGMAS, robust_normal
 
 DISTANCE = 0.005
 MOST_OUTLIERS = 0.05
 FLAT = 1e-10
 """Below this ratio of the two larger variances the points lie on one line."""
+THICK = 4.0
+"""A plane's points vary along it, both ways, by this much more than across (variances)."""
+MUCH_NEARER = 0.5
+"""The robust plane wins where its median distance is this share of the regression's."""
 REGRESSIONS = (("z on x,y", 2), ("y on x,z", 1), ("x on y,z", 0))
 
 
@@ -33,7 +38,7 @@ class LeafPlane:
     outlier_share : float
         Share of points farther than d_l across the plane.
     method : str
-        'LSR z on x,y', 'LSR y on x,z', 'LSR x on y,z' or 'TLS'.
+        'LSR z on x,y', 'LSR y on x,z', 'LSR x on y,z', 'TLS' or 'robust'.
     incidence : float
         Radians, at `point`; NaN without a scanner.
     warning : str
@@ -53,7 +58,9 @@ def leaf_plane(xyz: Floats, scanner: AnyArray | None, d_l: float = DISTANCE) -> 
     """Plane of a leaf by three regressions, each axis on the two others (Balduzzi 2.3.2).
 
     The smallest RMSE wins among those that leave at most 5 % of the points farther than
-    `d_l` from the plane; when none does, the smallest of all wins, with a warning.
+    `d_l` from the plane. When none does, the leaf is bent, or points of something else are
+    among its members: then a robust plane through most of them is taken if they lie much
+    nearer to it, else the regression with the smallest RMSE; both with a warning.
 
     Parameters
     ----------
@@ -66,7 +73,7 @@ def leaf_plane(xyz: Floats, scanner: AnyArray | None, d_l: float = DISTANCE) -> 
     Raises
     ------
     BadInput
-        Fewer than three finite points, or all on one line.
+        Fewer than three finite points, all along one line, or spread in all directions.
     """
     centre, offsets = _centred(xyz)
     fits = [
@@ -75,7 +82,35 @@ def leaf_plane(xyz: Floats, scanner: AnyArray | None, d_l: float = DISTANCE) -> 
         if (fit := _regress(offsets, axis, name, centre, scanner, d_l)) is not None
     ]
     kept = [fit for fit in fits if fit.outlier_share <= MOST_OUTLIERS]
-    return min(kept or fits, key=lambda fit: fit.rmse)
+    best = min(kept or fits, key=lambda fit: fit.rmse)
+    if not kept:
+        best = _prefer_robust(best, offsets, centre, scanner, d_l)
+    _refuse_other_shapes(best, offsets + (centre - best.point), d_l)
+    return best
+
+
+def _prefer_robust(
+    regression: LeafPlane, offsets: Floats, centre: Floats, scanner: AnyArray | None, d_l: float
+) -> LeafPlane:
+    normal, near = robust_normal(offsets, d_l)
+    middle = offsets[near].mean(axis=0)
+    across = np.abs((offsets - middle) @ normal)
+    if np.median(across) > MUCH_NEARER * np.median(np.abs(offsets @ regression.normal)):
+        return regression
+    rmse = float(np.sqrt(np.mean(across[near] ** 2)))
+    return _plane(normal, offsets - middle, "robust", rmse, centre + middle, scanner, d_l)
+
+
+def _refuse_other_shapes(plane: LeafPlane, offsets: Floats, d_l: float) -> None:
+    across = np.abs(offsets @ plane.normal)
+    near = offsets[across <= max(d_l, SIGMAS * MEDIAN_TO_SIGMA * float(np.median(across)))]
+    spread = np.linalg.svd(near - near.mean(axis=0), compute_uv=False) ** 2
+    if len(near) > 3 and spread[1] <= THICK * spread[2]:
+        raise BadInput(
+            f"The {len(offsets)} points of the leaf spread along a line or in all directions: "
+            "they have no plane.",
+            "Select the points of one leaf.",
+        )
 
 
 def total_least_squares_plane(

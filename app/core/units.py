@@ -1,4 +1,4 @@
-"""The only place where degrees, millimetres and nanometres meet radians and metres."""
+"""The only place where degrees and millimetres meet radians and metres; numbers to read."""
 
 from __future__ import annotations
 
@@ -28,3 +28,8 @@ def to_mm(metres: Any) -> Any:
 def to_metres(mm: Any) -> Any:
     """Millimetres to metres; scalars and arrays."""
     return mm / MM_PER_M
+
+
+def group_digits(count: int) -> str:
+    """A whole number with thousands apart by narrow spaces that do not break."""
+    return f"{count:,}".replace(",", "\u202f")

@@ -49,7 +49,8 @@ def refuse_target(target: Path, overwrite: bool) -> None:
     if target.is_dir():
         raise BadInput(f"{target} is a folder.", "Give the name of a file.")
     if target.exists() and not overwrite:
-        raise BadInput(f"{target} exists already.", "Choose another name or allow overwriting.")
+        hint = "Choose another name, or allow it with --overwrite."
+        raise BadInput(f"{target} exists already.", hint)
     if not target.parent.is_dir():
         raise BadInput(f"The folder {target.parent} does not exist.", "Make it first.")
 

@@ -86,6 +86,7 @@ def _start(errors: IO[bytes]) -> subprocess.Popen[bytes]:
         stdout=subprocess.PIPE,
         stderr=errors,
         env=environment,
+        start_new_session=True,  # Ctrl-C is for us; we end the reader ourselves
     )
 
 

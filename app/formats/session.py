@@ -5,6 +5,7 @@ Written whole to a new file, read back, then renamed: a crash cannot leave half 
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -28,7 +29,7 @@ VERSION = 1
 MAGIC = b"\x89HDF\r\n\x1a\n"
 MOST_META = 64 * 2**20
 CHUNK = 262_144
-# Our arrays are stored plain or lzf-packed; a claim beyond this is a bomb.
+# Our arrays are stored plain or lzf-packed; claims beyond this, taken together, are a bomb.
 MOST_RATIO = 200
 
 
@@ -155,7 +156,7 @@ def _check_magic(path: Path) -> None:
 
 def _read_record(path: Path, file: Any) -> Record:
     meta = file.get("meta")
-    if meta is None or meta.ndim != 1 or meta.dtype != np.uint8:
+    if getattr(meta, "ndim", None) != 1 or meta.dtype != np.uint8:
         raise BadInput(f"{path} is an HDF5 file, but not a Leafscope session.")
     if meta.shape[0] > MOST_META:
         raise BadInput(f"The description in {path} is too large to be true.")
@@ -168,7 +169,7 @@ def _read_record(path: Path, file: Any) -> Record:
                 "Update Leafscope to open it.",
             )
         return msgspec.json.decode(text, type=Record)
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, RecursionError) as error:
         raise BadInput(f"The session {path} is damaged: {error}.") from error
 
 
@@ -177,12 +178,23 @@ class _Version(msgspec.Struct):
 
 
 def _read_arrays(path: Path, file: Any) -> dict[str, AnyArray]:
-    size = os.path.getsize(path)
+    import h5py
+
+    room = MOST_RATIO * os.path.getsize(path)
+    group = file["arrays"]
+    if not isinstance(group, h5py.Group):
+        raise BadInput(f"{path} is an HDF5 file, but not a Leafscope session.")
     arrays: dict[str, AnyArray] = {}
-    for name, values in file["arrays"].items():
-        if not hasattr(values, "dtype") or values.dtype.kind not in "iuf":
+    for name in group:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise BadInput(f"The session {path} points to another place: {name}.")
+        values = group[name]
+        if not isinstance(values, h5py.Dataset) or values.dtype.kind not in "iuf":
             raise BadInput(f"The session {path} holds something that is not a number: {name}.")
-        if values.nbytes > MOST_RATIO * size:
+        if values.external or values.is_virtual:
+            raise BadInput(f"The session {path} keeps numbers in another file: {name}.")
+        room -= max(values.nbytes, math.prod(values.chunks or ()) * values.dtype.itemsize)
+        if room < 0:
             raise BadInput(f"The session {path} claims more numbers than it can hold.")
         arrays[name] = values[...]
     return arrays

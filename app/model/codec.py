@@ -39,7 +39,7 @@ def decode(text: bytes | str, arrays: Mapping[str, AnyArray]) -> AnyOperation:
 
     try:
         operation: AnyOperation = msgspec.json.decode(text, type=AnyOperation, dec_hook=hook)
-    except (msgspec.MsgspecError, KeyError, TypeError, ValueError) as error:
+    except (msgspec.MsgspecError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise BadInput(f"A step of the session cannot be read: {error}.") from error
     return operation
 

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from app.core.arrays import AnyArray
+from app.core.errors import BadInput
 from app.model.codec import decode, encode
 from app.model.operations import AnyOperation
 from app.model.state import State
@@ -82,8 +83,9 @@ class History:
         """Take back the last step; nothing happens when there is none."""
         if not self._done:
             return state
-        step = self._done.pop()
+        step = self._done[-1]
         state, _ = self._inverse(step).apply(state)
+        self._done.pop()
         self._undone.append(step.operation)
         self.log.append(Entry("undo"))
         return state
@@ -92,8 +94,9 @@ class History:
         """Do again what was undone last; nothing happens when there is none."""
         if not self._undone:
             return state
-        operation = self._undone.pop()
+        operation = self._undone[-1]
         state, inverse = operation.apply(state)
+        self._undone.pop()
         self._push(operation, inverse)  # type: ignore[arg-type]
         self.log.append(Entry("redo"))
         return state
@@ -131,9 +134,15 @@ class History:
     def _inverse(self, step: Step) -> AnyOperation:
         if not isinstance(step.inverse, Path):
             return step.inverse
-        with np.load(step.inverse, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-        step.inverse.unlink()
+        try:
+            with np.load(step.inverse, allow_pickle=False) as stored:
+                arrays = {name: stored[name] for name in stored.files}
+            step.inverse.unlink()
+        except OSError as error:
+            raise BadInput(
+                f"The undo data in {step.inverse} cannot be read: {error.strerror or error}.",
+                "Save the session: opening it again brings undo back.",
+            ) from error
         return decode(arrays.pop("record").tobytes(), arrays)
 
 
@@ -144,10 +153,17 @@ def settle(log: list[Entry]) -> tuple[list[AnyOperation], list[AnyOperation]]:
     -------
     done, undone : lists of operations
         `done` oldest first; the last of `undone` is the next to redo.
+
+    Raises
+    ------
+    BadInput
+        The log takes back more than was done.
     """
     done: list[AnyOperation] = []
     undone: list[AnyOperation] = []
     for entry in log:
+        if entry.deed != "do" and not (done if entry.deed == "undo" else undone):
+            raise BadInput(f"The log holds one {entry.deed} too many.")
         if entry.deed == "undo":
             undone.append(done.pop())
         elif entry.deed == "redo":

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import ClassVar
 
 import msgspec
 import numpy as np
@@ -23,8 +22,6 @@ Applied = tuple[State, "Operation"]
 
 class Operation(msgspec.Struct, frozen=True, tag_field="op", tag=True):
     """Base of all operations. `apply` never changes the state that it is given."""
-
-    merges: ClassVar[bool] = False
 
     @property
     def title(self) -> str:
@@ -293,6 +290,7 @@ class PutLeaf(Operation, frozen=True):
 
     def apply(self, state: State) -> Applied:
         if self.leaf is not None:
+            _check_key(self.key, self.leaf.key)
             _rows(self.leaf.members, state.scan(self.leaf.scan))
         old = state.leaves.get(self.key)
         new = replace(state, leaves=put(state.leaves, self.key, self.leaf))
@@ -310,6 +308,8 @@ class PutFit(Operation, frozen=True):
         return f"Fit {self.fit.model} to {self.fit.channel}" if self.fit else "Forget fit"
 
     def apply(self, state: State) -> Applied:
+        if self.fit is not None:
+            _check_key(self.key, self.fit.key)
         old = state.fits.get(self.key)
         return replace(state, fits=put(state.fits, self.key, self.fit)), PutFit(self.key, old)
 
@@ -366,6 +366,11 @@ AnyOperation = (
     | PutSample
     | Several
 )
+
+
+def _check_key(key: str, own: str) -> None:
+    if key != own or not key.rpartition("-")[2].isdecimal():
+        raise WrongUse(f"{key!r} is no key of a leaf or fit that calls itself {own!r}.")
 
 
 def _rows(points: PointSet, scan: ScanState) -> Ints:

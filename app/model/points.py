@@ -66,11 +66,6 @@ class PointSet:
     def __and__(self, other: PointSet) -> PointSet:
         return PointSet(np.intersect1d(self.indices, other.indices, assume_unique=True))
 
-    @property
-    def nbytes(self) -> int:
-        """Memory held, in bytes."""
-        return int(self.indices.nbytes)
-
 
 def _put_in_order(indices: Ints) -> Ints:
     # Most sets come sorted, and np.unique would hash them: seconds for millions of points.

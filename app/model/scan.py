@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -162,12 +162,18 @@ class Scan:
 
     def with_pose(self, pose: Pose | None) -> Scan:
         """The same scan, seen from another position."""
-        return replace(self, pose=pose)
+        return self._with_same_points(pose=pose)
 
     def with_channels(self, channels: tuple[Channel, ...]) -> Scan:
         """The same scan, with its channels named anew."""
-        return replace(self, channels=channels)
+        return self._with_same_points(channels=channels)
 
     def with_xyz(self, xyz: Floats) -> Scan:
         """The same scan with moved points (ghost correction)."""
         return replace(self, xyz=xyz)
+
+    def _with_same_points(self, **changes: Any) -> Scan:
+        scan = replace(self, **changes)
+        if "valid" in self.__dict__:  # looking for it again takes long on large scans
+            scan.__dict__["valid"] = self.valid
+        return scan

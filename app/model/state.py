@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -98,7 +98,18 @@ def put(mapping: Mapping[str, V], key: str, value: V | None) -> Mapping[str, V]:
     return MappingProxyType(dict(sorted(copy.items())))
 
 
-def next_key(mapping: Mapping[str, object], stem: str) -> str:
+def next_key(keys: Iterable[str], stem: str) -> str:
     """A key that sorts behind the others: ``leaf-00004`` after ``leaf-00003``."""
-    last = max((int(key.rpartition("-")[2]) for key in mapping), default=0)
-    return f"{stem}-{last + 1:05d}"
+    last = max((int(key.rpartition("-")[2]) for key in keys), default=0)
+    return make_key(stem, last + 1)
+
+
+def next_leaf_key(state: State) -> str:
+    """A key for a new leaf, never that of a removed one to which a fit still refers."""
+    fitted = (key for fit in state.fits.values() for key in fit.leaves)
+    return next_key((*state.leaves, *fitted), "leaf")
+
+
+def make_key(stem: str, number: int) -> str:
+    """The key of that number."""
+    return f"{stem}-{number:05d}"

@@ -6,6 +6,8 @@ from typing import Literal
 
 import msgspec
 
+from app.model.scan import Vector
+
 Theme = Literal["system", "light", "dark"]
 
 
@@ -54,5 +56,5 @@ class ViewState(msgspec.Struct, frozen=True):
     show_ghosts: bool = True
     leaf: str | None = None
     theme: Theme = "system"
-    camera: tuple[tuple[float, float, float], ...] | None = None
+    camera: tuple[Vector, Vector, Vector] | None = None
     parallel_scale: float | None = None

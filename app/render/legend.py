@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from app.core.units import group_digits
 from app.model.scene import ColourBar, Scene
 from app.render.palettes import BACKGROUNDS, Background, Bytes, colour_table, is_categorical
 from app.render.ticks import label_ticks, round_ticks
@@ -65,11 +66,6 @@ def add_legend(
 def count_points(shown: int, total: int) -> str:
     """``1 234 567 / 1 300 000 points``."""
     return f"{group_digits(shown)} / {group_digits(total)} points"
-
-
-def group_digits(count: int) -> str:
-    """Thousands apart by narrow spaces that do not break."""
-    return f"{count:,}".replace(",", "\u202f")
 
 
 def title_of(bar: ColourBar) -> str:

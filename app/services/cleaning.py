@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
-import msgspec
 import numpy as np
 
 from app.core.progress import QUIET, Progress
@@ -15,14 +14,13 @@ from app.model.operations import (
     MarkGhosts,
     MovePoints,
     SetDeleted,
-    SetParameters,
     Several,
 )
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.selection import FieldRange
 from app.services.export import export, gather, merge, refuse_unwritable
-from app.services.opening import Opening, open_file
+from app.services.opening import Opening, open_file, set_parameters
 
 Mode = Literal["mark", "delete", "correct"]
 
@@ -92,22 +90,12 @@ def clean_file(
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     report: dict[str, Any] = {"points": 0, "ghosts": 0, "mode": mode}
     for key in keys:
-        _set_parameters(project, key, threshold, radius)
+        set_parameters(project, key, ghost_threshold=threshold, radius=radius)
         _clean_scan(project, key, mode, report, progress.part(0.4, 0.9))
     fields = ("ghost_score", "ghost") if mode == "mark" else ()
     clouds = [gather(project, key, fields) for key in keys]
     export(merge(clouds), out, overwrite, progress.part(0.9, 1.0))
     return report
-
-
-def _set_parameters(
-    project: Project, scan: str, threshold: float | None, radius: float | None
-) -> None:
-    asked = {"ghost_threshold": threshold, "radius": radius}
-    given = {name: value for name, value in asked.items() if value is not None}
-    if given:
-        old = project.state.scan(scan).parameters
-        project.do(SetParameters(scan, msgspec.structs.replace(old, **given)))
 
 
 def _clean_scan(

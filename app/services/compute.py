@@ -9,7 +9,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from app.core.errors import LeafscopeError
@@ -17,13 +16,12 @@ from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
 from app.formats.cloud import take_points
 from app.model.fields import Evaluation, Subject, find_spec
-from app.model.operations import SetParameters
 from app.model.project import Project
 from app.model.state import ScanState
 from app.services.curves import ensure_curve
 from app.services.export import export, gather, merge, refuse_unwritable
 from app.services.leaves import find_leaves
-from app.services.opening import Opening, open_file
+from app.services.opening import Opening, open_file, set_parameters
 
 WARM_UP_POINTS = 64
 CURVE_FIELDS = ("incidence_from_intensity", "delta_omega")
@@ -80,9 +78,7 @@ def prepare(
     progress: Progress = QUIET,
 ) -> None:
     """Set parameters, compile what will run, and make the curve or leaves that are missing."""
-    if parameters:
-        changed = msgspec.structs.replace(project.state.scan(scan).parameters, **parameters)
-        project.do(SetParameters(scan, changed))
+    set_parameters(project, scan, **parameters)
     for name in fields:
         find_spec(project.catalogue(scan), name)
     warm_up(project, scan, fields)
@@ -103,6 +99,10 @@ def warm_up(project: Project, scan: str, fields: Sequence[str]) -> None:
             evaluation.read(name)
         except LeafscopeError:
             continue  # what is missing here is reported by the real computation
+    if not {"ghost", "ghost_score"}.isdisjoint(fields):
+        from app.core.ghosts import warm_up as warm_up_ghosts
+
+        warm_up_ghosts()  # among a few points there may be no doubt, and a kernel stays cold
 
 
 def make_report(project: Project, keys: Sequence[str], fields: Sequence[str]) -> dict[str, Any]:

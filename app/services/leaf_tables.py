@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import msgspec
-
 from app.core.errors import BadInput
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
-from app.model.operations import SetParameters
 from app.services.leaves import (
     Row,
     find_leaves,
@@ -17,7 +14,7 @@ from app.services.leaves import (
     measure_leaves,
     write_table,
 )
-from app.services.opening import Opening, open_file
+from app.services.opening import Opening, open_file, set_parameters
 
 
 def tabulate_leaves(
@@ -45,9 +42,7 @@ def tabulate_leaves(
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     rows: list[Row] = []
     for key in keys:
-        if radius is not None:
-            old = project.state.scan(key).parameters
-            project.do(SetParameters(key, msgspec.structs.replace(old, radius=radius)))
+        set_parameters(project, key, radius=radius)
         if label_field is None:
             find_leaves(project, key, progress.part(0.4, 0.7))
         else:

@@ -20,7 +20,7 @@ from app.model.operations import PutLeaf, Several
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.selection import Explicit, FieldRange, Selection
-from app.model.state import next_key
+from app.model.state import make_key, next_leaf_key
 
 Row = dict[str, str | float | int | None]
 
@@ -31,13 +31,12 @@ def find_leaves(project: Project, scan: str, progress: Progress = QUIET) -> list
 
     state = project.state.scan(scan)
     scanner = None if state.scan.pose is None else state.scan.scanner("segmentation")
-    ghosts = None
+    left_out = state.deleted
     if scanner is not None:
-        ghosts = project.field(scan, "ghost", None, progress) == 1.0
+        left_out = left_out | (project.field(scan, "ghost", None, progress) == 1.0)
     labels = segment_leaves(
-        state.scan.xyz, scanner, state.scan.grid, ghosts=ghosts, progress=progress
+        state.scan.xyz, scanner, state.scan.grid, ghosts=left_out, progress=progress
     )
-    labels[~state.alive] = -1
     return _put_leaves(project, scan, labels.astype(np.float64), None)
 
 
@@ -54,14 +53,14 @@ def leaves_from_labels(project: Project, scan: str, field: str) -> list[str]:
 
 
 def _put_leaves(project: Project, scan: str, labels: Floats, field: str | None) -> list[str]:
-    steps, keys, taken = [], [], dict(project.state.leaves)
-    for label, rows in _groups(labels):
+    steps, keys = [], []
+    first = key_number(next_leaf_key(project.state))
+    for number, (label, rows) in enumerate(_groups(labels), first):
         members = PointSet(rows)
-        key = next_key(taken, "leaf")
+        key = make_key("leaf", number)
         basis: Selection = Explicit(members) if field is None else FieldRange(field, label, label)
-        name = f"Leaf {key_number(key)}" if field is None else f"{field} {label:g}"
-        taken[key] = leaf = Leaf(key, scan, name, members, (basis,))
-        steps.append(PutLeaf(key, leaf))
+        name = f"Leaf {number}" if field is None else f"{field} {label:g}"
+        steps.append(PutLeaf(key, Leaf(key, scan, name, members, (basis,))))
         keys.append(key)
     if steps:
         project.do(Several(f"Find {len(steps)} leaves", tuple(steps)))
@@ -98,9 +97,10 @@ def measure_leaves(
     rows: list[Row] = []
     for number, leaf in enumerate(leaves):
         progress.report(number / len(leaves), "Measuring leaves")
-        inside = np.isin(points, leaf.members.indices, assume_unique=True)
+        own_points = leaf.members.indices[state.alive[leaf.members.indices]]
+        inside = np.searchsorted(points, own_points)
         own = {name: values[inside] for name, values in columns.items()}
-        rows.append(_measure(project, leaf, points[inside], own))
+        rows.append(_measure(project, leaf, own_points, own))
     return rows
 
 
@@ -130,7 +130,7 @@ def _measure(project: Project, leaf: Leaf, points: Ints, values: dict[str, AnyAr
         except MissingChannel:
             continue  # the scan has not the channels of this index: no column for it
         per_point = evaluate_index(index, {r: values[c] for r, c in roles.items()})
-        means = {r: np.array([values[c].mean()]) for r, c in roles.items()}
+        means = {r: np.array([_mean(values[c])]) for r, c in roles.items()}
         row[f"{index.name}_mean_of_points"], row[f"{index.name}_sd"] = _mean_sd(per_point)
         row[f"{index.name}_of_means"] = _number(evaluate_index(index, means)[0])
     return row
@@ -156,6 +156,11 @@ def _measure_plane(project: Project, scan: str, points: Ints) -> Row:
         "plane_outlier_share": _number(plane.outlier_share),
     }
     return {**{name: values[name] for name in names}, "plane_method": plane.method}
+
+
+def _mean(values: Floats) -> float:
+    mean, _ = _mean_sd(values)
+    return np.nan if mean is None else mean
 
 
 def _mean_sd(values: Floats) -> tuple[float | None, float | None]:

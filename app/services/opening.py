@@ -5,14 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import msgspec
 import numpy as np
 
 from app.core.errors import WrongUse
 from app.core.progress import QUIET, Progress
 from app.core.scanner import fit_spherical
 from app.formats.options import DEFAULTS, ReadOptions
-from app.model.operations import AddScan, AnyOperation, SetChannels, SetPose, Several
+from app.model.operations import (
+    AddScan,
+    AnyOperation,
+    SetChannels,
+    SetParameters,
+    SetPose,
+    Several,
+)
 from app.model.project import Project
 from app.model.scan import Channel, ChannelKind, Pose, Scan, Vector
 from app.services.reading import read_file
@@ -83,6 +92,14 @@ def open_file(opening: Opening, progress: Progress = QUIET) -> tuple[Project, li
         scan = project.state.scan(key).scan
         project.do(SetChannels(key, name_channels(scan, opening.channels)))
     return project, keys
+
+
+def set_parameters(project: Project, scan: str, **values: Any) -> None:
+    """Change parameters of a scan, e.g. ``radius=0.006``; those that are None stay."""
+    given = {name: value for name, value in values.items() if value is not None}
+    if given:
+        old = project.state.scan(scan).parameters
+        project.do(SetParameters(scan, msgspec.structs.replace(old, **given)))
 
 
 def name_channels(scan: Scan, texts: Sequence[str]) -> tuple[Channel, ...]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.core.errors import BadInput
+from app.core.errors import BadInput, LeafscopeError, WrongUse
 from app.core.progress import QUIET, Progress
 from app.formats import session as container
 from app.formats.atomic import atomic_path, refuse_target
@@ -57,14 +57,17 @@ def open_session(path: Path, progress: Progress = QUIET) -> tuple[Project, ViewS
     """
     session = container.read(path)
     project = _load_library(path, session, progress)
-    project.restore(session.log)
+    try:
+        project.restore(session.log)
+    except WrongUse as error:
+        raise BadInput(f"The session {path.name} is damaged: {error}") from error
     return project, session.view
 
 
 def _load_library(path: Path, session: Session, progress: Progress) -> Project:
-    _refuse_unknown_scans(path, session)
+    needed = _needed_sources(path, session)
     project = Project()
-    for key, scan in read_sources(path, session.sources, progress).items():
+    for key, scan in read_sources(path, needed, progress).items():
         project.shelve(scan, key)
     return project
 
@@ -80,9 +83,16 @@ def read_sources(
         mark = (file, json.dumps(dict(source.options), sort_keys=True))
         if mark not in files:
             part = progress.part(number / len(sources), (number + 1) / len(sources))
-            files[mark] = read_file(file, ReadOptions.from_text(source.options), part)
+            files[mark] = read_file(file, _options(path, source), part)
         scans[key] = _pick(files[mark], file, source)
     return scans
+
+
+def _options(path: Path, source: Source) -> ReadOptions:
+    try:
+        return ReadOptions.from_text(source.options)
+    except (TypeError, ValueError, WrongUse) as error:
+        raise BadInput(f"The session {path.name} is damaged: {error}.") from error
 
 
 def _locate(path: Path, source: Source) -> Path:
@@ -105,16 +115,18 @@ def _pick(scans: list[Scan], file: Path, source: Source) -> Scan:
     return replace(found, source=source)
 
 
-def _refuse_unknown_scans(path: Path, session: Session) -> None:
-    for entry in session.log:
-        for step in _flatten(entry.operation):
-            if isinstance(step, AddScan) and step.scan not in session.sources:
-                raise BadInput(f"The session {path.name} is damaged: it lacks {step.name}.")
+def _needed_sources(path: Path, session: Session) -> dict[str, Source]:
+    # A scan whose opening was taken back for good must not be missed.
+    done, undone = settle(session.log)
+    steps = [step for operation in (*done, *undone) for step in _flatten(operation)]
+    needed = {step.scan: step.name for step in steps if isinstance(step, AddScan)}
+    for key, name in needed.items():
+        if key not in session.sources:
+            raise BadInput(f"The session {path.name} is damaged: it lacks {name}.")
+    return {key: source for key, source in session.sources.items() if key in needed}
 
 
-def _flatten(operation: AnyOperation | None) -> list[AnyOperation]:
-    if operation is None:
-        return []
+def _flatten(operation: AnyOperation) -> list[AnyOperation]:
     if isinstance(operation, Several):
         return [inner for step in operation.steps for inner in _flatten(step)]
     return [operation]
@@ -127,9 +139,11 @@ def replay(
 
     Writes ``SCAN.npz`` (points as the window exports them), ``SCAN-leaves.csv`` and
     ``report.json`` into the folder `out`. The report says whether each stored fit came out
-    the same, bit for bit.
+    the same, bit for bit, and which scan could not be coloured as in the window.
     """
-    out.mkdir(parents=True, exist_ok=True)
+    target = out / "report.json"
+    _make_folder(out)
+    refuse_target(target, overwrite)
     session = container.read(path)
     project = _load_library(path, session, progress.part(0.0, 0.5))
     fits = replay_log(project, session)
@@ -139,10 +153,18 @@ def replay(
         if not state.closed:
             progress.report(0.6, state.scan.name)
             report["scans"].append(_replay_scan(project, key, session.view, out, overwrite))
-    target = out / "report.json"
     with atomic_path(target, overwrite) as temporary:
         temporary.write_text(json.dumps(report, indent=2))
     return report
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(
+            f"The folder {folder} cannot be made: {error.strerror or error}.", "Choose another one."
+        ) from error
 
 
 def replay_log(project: Project, session: Session) -> list[dict[str, Any]]:
@@ -180,9 +202,10 @@ def _replay_scan(
 ) -> dict[str, Any]:
     state = project.state.scan(key)
     stem = f"{key}-{_safe(state.scan.name)}"
-    fields = [view.colour] if view.colour in project.catalogue(key) else []
     points, leaves = out / f"{stem}.npz", out / f"{stem}-leaves.csv"
     refuse_target(points, overwrite)
+    refuse_target(leaves, overwrite)
+    fields, missing = _colour_of(project, key, view)
     export(gather(project, key, fields), points, overwrite)
     rows = measure_leaves(project, key)
     if rows:
@@ -195,7 +218,19 @@ def _replay_scan(
         "leaves": len(rows),
         "file": points.name,
         "table": leaves.name if rows else None,
+        "missing": missing,
     }
+
+
+def _colour_of(project: Project, key: str, view: ViewState) -> tuple[list[str], str | None]:
+    """The field that colours a scan as a list, empty with the reason where it cannot be had."""
+    if not view.colour:
+        return [], None
+    try:
+        project.field(key, view.colour)
+    except LeafscopeError as error:
+        return [], str(error)
+    return [view.colour], None
 
 
 def _safe(name: str) -> str:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Literal
-
-import msgspec
 
 from app.core.errors import MissingScanner, WrongUse
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import atomic_path, refuse_target
-from app.model.operations import SetParameters
 from app.model.project import Project
 from app.model.scene import resolve
 from app.model.view_state import ColourRange, ViewState
@@ -43,10 +41,7 @@ def snapshot_file(
     refuse_target(out, overwrite)
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     for key in keys:
-        if radius is not None:
-            old = project.state.scan(key).parameters
-            project.do(SetParameters(key, msgspec.structs.replace(old, radius=radius)))
-        prepare(project, key, (colour,), {}, progress)
+        prepare(project, key, (colour,), {"radius": radius}, progress)
         project.field(key, colour, None, progress.part(0.4, 0.8))
     ranges = {colour: ColourRange(*limits)} if limits else {}
     view = ViewState(current=keys[0] if keys else None, colour=colour, ranges=ranges)
@@ -95,6 +90,6 @@ def parse_limits(text: str) -> tuple[float, float]:
         low, high = (float(part) for part in text.split(","))
     except ValueError as error:
         raise WrongUse(f"--limits takes two numbers, LOW,HIGH, not {text!r}.") from error
-    if not low < high:
-        raise WrongUse(f"--limits needs LOW below HIGH, not {text}.")
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise WrongUse(f"--limits needs finite numbers, LOW below HIGH, not {text}.")
     return low, high

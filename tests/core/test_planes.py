@@ -69,3 +69,44 @@ def test_points_without_a_plane_are_refused(fit):
             fit(xyz, None)
     with pytest.raises(BadInput, match="one line"):
         fit(np.repeat(line[:1], 9, axis=0), None)
+
+
+def tilted_leaf(tilt: float, seed: int = 1) -> np.ndarray:
+    """A flat leaf 3 m ahead, turned by `tilt` degrees, with 0.7 mm of range noise."""
+    random = np.random.default_rng(seed)
+    across, up = random.uniform(-0.02, 0.02, 800), random.uniform(-0.04, 0.04, 800)
+    angle = np.radians(tilt)
+    xyz = np.stack((3.0 + across * np.sin(angle), across * np.cos(angle), up), axis=1)
+    return xyz + random.normal(0, 0.0007, (800, 1)) * (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("tilt", [0, 30, 45, 60])
+def test_ghosts_behind_the_rim_do_not_turn_the_plane(tilt: float) -> None:
+    leaf = tilted_leaf(tilt)
+    ghosts = leaf[:240] * np.random.default_rng(2).uniform(1.05, 1.9, (240, 1))
+    plane = leaf_plane(np.concatenate((leaf, ghosts)), np.zeros(3))
+    assert plane.method == "robust"
+    assert plane.warning
+    alone = leaf_plane(leaf, np.zeros(3))
+    assert alone.method.startswith("LSR")
+    assert np.degrees(plane.incidence) == pytest.approx(np.degrees(alone.incidence), abs=1.0)
+
+
+def test_the_robust_plane_is_the_same_every_time() -> None:
+    leaf = np.concatenate((tilted_leaf(40), tilted_leaf(40)[:300] * 1.4))
+    first, second = (leaf_plane(leaf, np.zeros(3)) for _ in range(2))
+    assert (first.normal == second.normal).all()
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-7, 0.0007])
+def test_a_line_has_no_plane_however_noisy(noise: float) -> None:
+    random = np.random.default_rng(4)
+    line = np.linspace(0, 0.07, 73)[:, None] * (0.3, 0.5, 0.8) + (2.0, 1.0, 0.5)
+    with pytest.raises(BadInput, match="line"):
+        leaf_plane(line + random.normal(0, noise, line.shape), np.zeros(3))
+
+
+def test_a_crown_has_no_plane() -> None:
+    crown = (*np.random.default_rng(5).normal(0, (0.5, 0.4, 0.6), (3000, 3)), 5.0, 0.0, 2.0)
+    with pytest.raises(BadInput, match="all directions"):
+        leaf_plane(crown, np.zeros(3))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -114,7 +115,7 @@ def test_a_newer_format_is_refused_politely(tmp_path: Path) -> None:
     with h5py.File(path, "w") as file:
         file["meta"] = np.frombuffer(b'{"version": 99, "strange": true}', np.uint8)
         file.create_group("arrays")
-    with pytest.raises(BadInput, match="newer Leafscope.*Update"):
+    with pytest.raises(BadInput, match=r"newer Leafscope.*Update"):
         container.read(path)
 
 
@@ -138,3 +139,59 @@ def test_what_is_no_session_is_refused(tmp_path: Path) -> None:
         container.read(other)
     with pytest.raises(BadInput, match="cannot be opened"):
         container.read(tmp_path / "missing.leafscope")
+
+
+@pytest.mark.parametrize("place", ["meta", "arrays"])
+def test_a_group_where_numbers_belong_and_the_reverse_are_refused(
+    tmp_path: Path, session: Session, place: str
+) -> None:
+    path = tmp_path / "a.leafscope"
+    container.write(path, session)
+    with h5py.File(path, "a") as file:
+        del file[place]
+        if place == "meta":
+            file.create_group("meta")
+        else:
+            file["arrays"] = np.arange(3)
+    with pytest.raises(BadInput, match="not a Leafscope session"):
+        container.read(path)
+
+
+def test_many_claims_that_are_each_small_enough_are_refused(
+    tmp_path: Path, session: Session
+) -> None:
+    path = tmp_path / "a.leafscope"
+    container.write(path, session)
+    claim = 20 * path.stat().st_size
+    with h5py.File(path, "a") as file:
+        for number in range(300):
+            file["arrays"].create_dataset(f"b{number}", (claim,), "f8", chunks=(1024,))
+    with pytest.raises(BadInput, match="claims more numbers"):
+        container.read(path)
+
+
+def test_numbers_of_another_file_are_refused(tmp_path: Path, session: Session) -> None:
+    (tmp_path / "secret").write_bytes(bytes(80))
+    for number, kind in enumerate(("link", "external")):
+        path = tmp_path / f"{number}.leafscope"
+        container.write(path, session)
+        with h5py.File(path, "a") as file:
+            if kind == "link":
+                file["arrays"]["x"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/x")
+            else:
+                secret = [(str(tmp_path / "secret"), 0, 80)]
+                file["arrays"].create_dataset("x", (10,), "f8", external=secret)
+        with pytest.raises(BadInput, match="another"):
+            container.read(path)
+
+
+def test_endless_nesting_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.leafscope"
+    deep = '{"op":"Several","name":"","steps":[' * 5000 + "]}" * 5000
+    log = f'[{{"deed":"do","operation":{json.dumps(deep)}}}]'
+    meta = f'{{"version":1,"written_by":"","sources":{{}},"log":{log},"view":{{}}}}'
+    with h5py.File(path, "w") as file:
+        file["meta"] = np.frombuffer(meta.encode(), np.uint8)
+        file.create_group("arrays")
+    with pytest.raises(BadInput, match="cannot be read"):
+        container.read(path)

@@ -14,6 +14,7 @@ from app.model.operations import (
     AddScan,
     MarkGhosts,
     PutLeaf,
+    SetChannels,
     SetDeleted,
     SetParameters,
     SetPose,
@@ -141,7 +142,7 @@ def test_without_a_scanner_the_sentence_says_what_is_missing(
     project: Project, field: str
 ) -> None:
     project.do(SetPose(KEY, None))
-    with pytest.raises(MissingScanner, match="position is unknown.*--origin"):
+    with pytest.raises(MissingScanner, match=r"position is unknown.*--origin"):
         project.field(KEY, field)
 
 
@@ -159,7 +160,7 @@ def test_without_a_curve_the_sentence_says_how_to_get_one(project: Project) -> N
 
 
 def test_an_unknown_field_names_those_there_are(project: Project) -> None:
-    with pytest.raises(WrongUse, match="no field beauty.*incidence.*truth_leaf"):
+    with pytest.raises(WrongUse, match=r"no field beauty.*incidence.*truth_leaf"):
         project.field(KEY, "beauty")
 
 
@@ -192,3 +193,87 @@ def test_ten_leaves_of_two_million_points_touch_less_than_two_percent() -> None:
     assert all(isinstance(row["incidence_plane_deg"], float) for row in rows)
     touched = max(project.cache.computed(KEY).values())
     assert 0 < touched < 0.02 * len(scan)
+
+
+def test_naming_the_kind_of_a_channel_spoils_what_reads_it(project: Project) -> None:
+    before = project.field(KEY, "ghost_score")
+    scan = project.state.scan(KEY).scan
+    project.do(SetChannels(KEY, tuple(replace(c, kind="dB") for c in scan.channels)))
+    # Decibels say nothing about how much of the power is lost.
+    assert np.nanmax(np.abs(project.field(KEY, "ghost_score") - before)) > 0.01
+
+
+def test_another_attribute_under_the_same_name_is_another_channel(project: Project) -> None:
+    first, second = project.state.scan(KEY).scan.channels
+    project.field(KEY, first.name)
+    project.do(SetChannels(KEY, (replace(first, attribute=second.attribute), second)))
+    np.testing.assert_array_equal(
+        project.field(KEY, first.name), project.field(KEY, second.name)
+    )
+
+
+def test_a_few_values_that_arrive_late_do_not_replace_all(project: Project) -> None:
+    everything, few = project.evaluation(KEY), project.evaluation(KEY)
+    everything.read("incidence")
+    few.read("incidence", np.arange(10))
+    project.accept(KEY, everything.results)
+    project.accept(KEY, few.results)
+    known = project.known_field(KEY, "incidence")
+    assert known is not None
+    assert known.covers(None)
+
+
+def test_parts_that_were_computed_side_by_side_are_joined(project: Project) -> None:
+    parts = [np.arange(0, 40), np.arange(30, 60)]
+    evaluations = [project.evaluation(KEY) for _ in parts]
+    for evaluation, part in zip(evaluations, parts, strict=True):
+        evaluation.read("incidence", part)
+        project.accept(KEY, evaluation.results)
+    known = project.known_field(KEY, "incidence")
+    assert known is not None
+    assert np.flatnonzero(known.have).tolist() == list(range(60))
+    expected = project.field(KEY, "incidence")[:60]
+    np.testing.assert_array_equal(known.values[:60], expected)
+
+
+def test_a_result_from_older_parameters_is_dropped(project: Project) -> None:
+    late = project.evaluation(KEY)
+    late.read("incidence")
+    change(project, radius=0.006)
+    valid = project.field(KEY, "incidence")
+    project.accept(KEY, late.results)
+    known = project.known_field(KEY, "incidence")
+    assert known is not None
+    assert known.values is valid
+    assert project.cache.computed(KEY)["incidence"] == 2 * len(valid)
+
+
+def test_a_result_for_a_scan_that_is_gone_is_dropped(project: Project) -> None:
+    late = project.evaluation(KEY)
+    late.read("range")
+    project.undo()
+    project.accept(KEY, late.results)
+    assert "range" not in project.cache.known(KEY)
+
+
+def test_a_formula_whose_channel_went_says_so_and_breaks_nothing_else(project: Project) -> None:
+    change(project, formulas=(Formula("ratio", "reflectance_1063 * 2"),))
+    project.do(SetChannels(KEY, project.state.scan(KEY).scan.channels[1:]))
+    assert "ratio" in project.catalogue(KEY)
+    with pytest.raises(MissingChannel, match="reflectance_1063"):
+        project.field(KEY, "ratio")
+
+
+def test_a_formula_never_takes_the_place_of_a_field(project: Project, leaves: Scan) -> None:
+    change(project, formulas=(Formula("reflectance_1063", "reflectance_1063 * 2"),))
+    values = project.field(KEY, "reflectance_1063")
+    np.testing.assert_array_equal(values, leaves.attributes["reflectance_1063"])
+
+
+def test_the_same_points_under_another_key_are_another_leaf(project: Project) -> None:
+    members = PointSet([1, 2, 3])
+    project.do(PutLeaf("leaf-00002", Leaf("leaf-00002", KEY, "two", members)))
+    assert project.field(KEY, "leaf")[1] == 2
+    project.do(PutLeaf("leaf-00002", None))
+    project.do(PutLeaf("leaf-00001", Leaf("leaf-00001", KEY, "one", members)))
+    assert project.field(KEY, "leaf")[1] == 1

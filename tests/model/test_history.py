@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.core.errors import WrongUse
+from app.core.errors import BadInput, WrongUse
+from app.model.history import Entry, settle
 from app.model.operations import AddScan, MarkGhosts, SetDeleted, SetParameters
 from app.model.parameters import Parameters
 from app.model.points import PointSet
@@ -77,3 +78,22 @@ def test_modified_follows_the_log(project: Project) -> None:
     assert not project.modified
     project.do(SetDeleted("scan-00001", PointSet([1])))
     assert project.modified
+
+
+@pytest.mark.parametrize("deeds", [["undo"], ["redo"], ["do", "undo", "undo"]])
+def test_a_log_that_takes_back_too_much_is_refused(deeds: list[str]) -> None:
+    step = SetDeleted("scan-00001", PointSet([1]))
+    log = [Entry(deed, step if deed == "do" else None) for deed in deeds]
+    with pytest.raises(BadInput, match="too many"):
+        settle(log)
+
+
+def test_lost_undo_data_is_a_sentence_and_no_step_is_lost(project: Project) -> None:
+    project.history._cap = 0
+    project.do(SetDeleted("scan-00001", PointSet([1, 2])))
+    project.do(SetDeleted("scan-00001", PointSet([3])))
+    project.undo()
+    project.history._done[-1].inverse.unlink()
+    with pytest.raises(BadInput, match="undo data"):
+        project.undo()
+    assert len(project.history.done) == 2

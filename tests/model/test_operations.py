@@ -153,3 +153,13 @@ def test_inverses_on_disk_lead_back_as_well(steps: list[AnyOperation]) -> None:
     for _ in steps:
         project.undo()
     assert picture(project.state) == before
+
+
+def test_naming_the_scanner_does_not_look_for_finite_points_again() -> None:
+    scan = fresh().state.library["scan-00001"]
+    valid = scan.valid
+    assert scan.with_pose(Pose((1.0, 0.0, 0.0))).valid is valid
+    assert scan.with_channels(()).valid is valid
+    moved = scan.xyz.copy()
+    moved[3] = np.nan
+    assert not scan.with_xyz(moved).valid[3]

@@ -11,14 +11,19 @@ import numpy as np
 import pytest
 
 from app.core.errors import BadInput
+from app.formats.session import Session, write
+from app.model.history import Entry
+from app.model.operations import AddScan, CloseScan, Select, SetPose
+from app.model.points import PointSet
 from app.model.project import Project
-from app.model.scan import Scan
+from app.model.scan import Scan, Source
 from app.model.view_state import ViewState
 from app.services.cleaning import correct_ghosts, mark_ghosts
 from app.services.curves import fit_leaves, use_fit
 from app.services.export import export, gather
 from app.services.leaves import leaves_from_labels, measure_leaves
 from app.services.opening import Opening, add_scans, open_file
+from app.services.reading import read_file
 from app.services.sessions import open_session, replay, save_session
 
 KEY = "scan-00001"
@@ -97,8 +102,8 @@ def test_a_moved_source_is_found_beside_the_session(
     session = tmp_path / "elsewhere" / "s.leafscope"
     session.parent.mkdir()
     save_session(project, VIEW, session)
+    source.rename(tmp_path / "lost.laz")
     with pytest.raises(BadInput, match="not there") as refused:
-        source.rename(tmp_path / "lost.laz")
         open_session(session)
     assert "leaves.laz back" in str(refused.value)
     shutil.move(tmp_path / "lost.laz", session.parent / "leaves.laz")
@@ -122,3 +127,80 @@ def test_a_scan_from_no_file_cannot_be_saved(leaves: Scan, tmp_path: Path) -> No
     with pytest.raises(BadInput, match="came from no file"):
         save_session(project, VIEW, tmp_path / "s.leafscope")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_scan_that_was_taken_back_for_good_is_not_missed(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    project, source = worked
+    other = tmp_path / "other.xyz"
+    other.write_text("0 0 1\n0 1 1\n1 0 1\n1 1 1.1\n")
+    add_scans(project, read_file(other))
+    project.undo()
+    project.do(Select(KEY, PointSet([1])))
+    session = tmp_path / "s.leafscope"
+    save_session(project, VIEW, session)
+    other.unlink()
+    again, _ = open_session(session)
+    assert again.state.library.keys() == {KEY}
+    # It can be saved and opened once more, and new scans may take the free key.
+    add_scans(again, read_file(source))
+    save_session(again, VIEW, session)
+    assert len(open_session(session)[0].state.scans) == 2
+
+
+def test_replay_says_which_scan_cannot_be_coloured(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    project, source = worked
+    (other,) = add_scans(project, read_file(source))
+    project.do(SetPose(other, None))
+    save_session(project, ViewState(colour="incidence"), tmp_path / "s.leafscope")
+    report = replay(tmp_path / "s.leafscope", tmp_path / "out")
+    first, second = report["scans"]
+    assert first["missing"] is None
+    assert "position is unknown" in second["missing"]
+    with np.load(tmp_path / "out" / first["file"]) as written:
+        assert "incidence" in written.files
+
+
+def test_replay_over_older_results_is_refused_before_anything_is_written(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    project, _ = worked
+    save_session(project, VIEW, tmp_path / "s.leafscope")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "report.json").write_text("precious")
+    with pytest.raises(BadInput, match="exists already"):
+        replay(tmp_path / "s.leafscope", out)
+    assert [file.name for file in out.iterdir()] == ["report.json"]
+
+
+def test_several_scans_of_one_file_and_a_closed_one_come_back(tmp_path: Path) -> None:
+    rows = "\n".join(f"{i} {j} 1 0.5 10 10 10" for i in range(3) for j in range(2))
+    head = "2\n3\n0 0 {z}\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 {z} 1\n"
+    source = tmp_path / "two.ptx"
+    source.write_text("".join(head.format(z=z) + rows + "\n" for z in (5, 7)))
+    project, keys = open_file(Opening(source))
+    assert len(keys) == 2
+    project.do(CloseScan(keys[0]))
+    save_session(project, VIEW, tmp_path / "s.leafscope")
+    again, _ = open_session(tmp_path / "s.leafscope")
+    assert [scan.closed for scan in again.state.scans.values()] == [True, False]
+    for key in keys:
+        assert again.state.scan(key).scan.pose == project.state.scan(key).scan.pose
+    report = replay(tmp_path / "s.leafscope", tmp_path / "out")
+    assert len(report["scans"]) == 1
+
+
+def test_options_that_make_no_sense_are_a_damaged_session(
+    worked: tuple[Project, Path], tmp_path: Path
+) -> None:
+    _, source = worked
+    for options in ({"every_nth": '"two"'}, {"strange": "1"}, {"every_nth": "{"}):
+        bad = Source(str(source), 1, "ab", 0, options)
+        log = [Entry("do", AddScan(KEY, "leaves", bad))]
+        write(tmp_path / "s.leafscope", Session({KEY: bad}, log, VIEW), overwrite=True)
+        with pytest.raises(BadInput, match="damaged"):
+            open_session(tmp_path / "s.leafscope")

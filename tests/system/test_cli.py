@@ -135,6 +135,7 @@ WRONG_USE = [
     ["fit", "TABLE", "--x", "angle", "--y", "value", "--model", "phong"],
     ["clean", "FILE", "--mode", "vanish", "--out", "o.npz"],
     ["snapshot", "FILE", "--colour", "range", "--size", "big", "--out", "o.png"],
+    ["snapshot", "FILE", "--colour", "range", "--limits", "1,inf", "--out", "o.png"],
     ["compute", "FILE", "--field", "range", "--out", "o.npz", "--channel", "nothing=1:dB"],
 ]
 BAD_INPUT = [
@@ -212,3 +213,40 @@ def test_a_polite_kill_cancels_with_code_4(leaves_file: Path, tmp_path: Path) ->
     assert process.returncode == 4
     assert b"Cancelled" in err
     assert not out.exists()
+
+
+def test_a_report_is_not_overwritten_unasked(leaves_file: Path, tmp_path: Path) -> None:
+    out, report = tmp_path / "o.npz", tmp_path / "report.json"
+    report.write_text("precious")
+    words = ["compute", str(leaves_file), "--field", "range", "--out", str(out)]
+    assert run([*words, "--report", str(report)]) == 3
+    assert report.read_text() == "precious"
+    assert not out.exists()
+    assert run([*words, "--report", str(report), "--overwrite"]) == 0
+    assert json.loads(report.read_text())["computed"]["range"] > 0
+
+
+def test_what_the_system_refuses_is_a_sentence(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "taken").write_text("")
+    assert run(["replay", "s.leafscope", "--out", str(tmp_path / "taken")]) == 3
+    assert run(["demo", "--out", str(tmp_path / "taken")]) == 3
+    assert run(["x" * 5000]) in (2, 3)
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 3
+    assert all(line.startswith("leafscope: ") for line in errors)
+
+
+def test_a_fault_of_ours_is_a_sentence_too(
+    leaves_file: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise KeyError("odd")
+
+    monkeypatch.setattr("app.services.info.describe_opened", fail)
+    assert run(["info", str(leaves_file)]) == 1
+    error = capsys.readouterr().err
+    assert "KeyError" in error
+    assert "--debug" in error
+    assert len(error.splitlines()) == 1

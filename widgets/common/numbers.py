@@ -7,6 +7,8 @@ import math
 from PySide6.QtCore import QLocale, Qt
 from PySide6.QtWidgets import QAbstractSpinBox, QDoubleSpinBox, QWidget
 
+from app.core.units import group_digits
+
 MINUS = "−"
 UNKNOWN = "–"
 
@@ -43,7 +45,7 @@ def show_number(value: float | None, decimals: int = 2) -> str:
 
 def show_count(count: int) -> str:
     """A whole number with separated thousands."""
-    return QLocale().toString(count)
+    return group_digits(count)
 
 
 def show_signed(value: float | None, decimals: int = 1) -> str:

@@ -2,10 +2,30 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from PySide6.QtCore import QCoreApplication, Qt, QUrl
+from PySide6.QtGui import QImage, QTextDocument
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QTextBrowser, QVBoxLayout, QWidget
 
 from widgets.icons import find_resource
+
+
+class Page(QTextBrowser):
+    """Markdown whose pictures are no wider than the page."""
+
+    def __init__(self, width: int, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._width = width
+
+    def loadResource(self, kind: int, name: QUrl | str) -> Any:  # noqa: N802
+        """Load a picture, made small enough to fit."""
+        if kind != QTextDocument.ResourceType.ImageResource:
+            return super().loadResource(kind, name)
+        picture = QImage(self.document().baseUrl().resolved(QUrl(name)).toLocalFile())
+        if picture.width() <= self._width:
+            return picture
+        return picture.scaledToWidth(self._width, Qt.TransformationMode.SmoothTransformation)
 
 
 class GuideDialog(QDialog):
@@ -16,7 +36,8 @@ class GuideDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setModal(False)
         self.setWindowTitle(title)
-        self.page = QTextBrowser(self)
+        em = self.fontMetrics().height()
+        self.page = Page(38 * em, self)
         self.page.setOpenExternalLinks(True)
         self.page.document().setDocumentMargin(self.fontMetrics().height())
         self.page.document().setBaseUrl(QUrl.fromLocalFile(f"{find_resource('docs')}/"))
@@ -27,8 +48,7 @@ class GuideDialog(QDialog):
         layout = QVBoxLayout(self)
         layout.addWidget(self.page)
         layout.addWidget(buttons)
-        em = self.fontMetrics().height()
-        self.resize(42 * em, 36 * em)
+        self.resize(46 * em, 44 * em)
 
     @classmethod
     def of_guide(cls, parent: QWidget | None = None) -> GuideDialog:

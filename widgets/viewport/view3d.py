@@ -10,21 +10,14 @@ from PySide6.QtWidgets import QWidget
 from app.core.arrays import Floats
 from app.core.screen import View
 from app.model.scene import ColourBar, Scene
-from app.render.camera import (
-    Camera,
-    centre_on,
-    fit_points,
-    look_at_points,
-    look_from,
-    make_orthographic,
-    make_room,
-)
+from app.render.camera import Camera, centre_on, look_at_points, make_orthographic
 from app.render.legend import count_points
 from app.render.palettes import Background
 from app.render.picture import PictureSource, known_values
 from app.render.stage import Stage
 from widgets.viewport.canvas import Canvas
 from widgets.viewport.colour_bar import ColourBarWidget
+from widgets.viewport.framing import EDGE, Framing
 from widgets.viewport.mouse import Mouse
 from widgets.viewport.overlay import OverlayWidget
 from widgets.viewport.refinement import Refinement
@@ -34,7 +27,6 @@ from widgets.viewport.tools.pick import Pick
 from widgets.viewport.tools.tool import Tool
 
 CLICK_REACH = 4  # pixels
-EDGE = 12  # pixels between the colour bar and the border
 
 
 class View3D(QWidget):
@@ -74,6 +66,7 @@ class View3D(QWidget):
         self._canvas = Canvas(self._stage.renderer, self)
         self._overlay = OverlayWidget(self)
         self.colour_bar = ColourBarWidget(self)
+        self._framing = Framing(self._canvas, self.colour_bar, self._stage.extent)
         self._refinement = Refinement(self._stage, self._canvas, self)
         navigate = Navigate(self)
         self._tools: dict[str, Tool] = {
@@ -154,18 +147,16 @@ class View3D(QWidget):
 
     def fit(self, points: Floats) -> None:
         """Show some points, (k, 3) world metres, from the present direction."""
-        orthographic = self._camera.parallel_scale is not None
-        self._set_beside_bar(fit_points(self._camera, points, self._free_aspect, orthographic))
+        self.set_camera(self._framing.around(self._camera, points))
 
     def view_from(self, scanner: Floats) -> None:
         """Show what the scanner saw."""
-        self._set_beside_bar(look_from(scanner, self._stage.extent(), self._free_aspect))
+        self.set_camera(self._framing.from_scanner(scanner))
 
     def view_standard(self, name: str) -> None:
         """One of the standard views: top, bottom, front, back, left, right, iso, iso back."""
         orthographic = self._camera.parallel_scale is not None
-        extent = self._stage.extent()
-        self._set_beside_bar(look_at_points(extent, name, self._free_aspect, orthographic))
+        self.set_camera(self._framing.standard(name, orthographic))
 
     def set_orthographic(self, on: bool) -> None:
         """Switch between orthographic and perspective."""
@@ -218,18 +209,6 @@ class View3D(QWidget):
         self._stage.clear()
         self._canvas.release()
         super().closeEvent(event)
-
-    @property
-    def _bar_share(self) -> float:
-        """Share of the width that the colour bar covers; less than half."""
-        return min((self.colour_bar.sizeHint().width() + 2 * EDGE) / max(self.width(), 1), 0.4)
-
-    @property
-    def _free_aspect(self) -> float:
-        return self._canvas.aspect() * (1.0 - self._bar_share)
-
-    def _set_beside_bar(self, camera: Camera) -> None:
-        self.set_camera(make_room(camera, self._bar_share, self._canvas.aspect()))
 
     def _place(self, camera: Camera) -> None:
         self._camera = camera

@@ -12,7 +12,7 @@ from app.core.errors import WrongUse
 from app.core.screen.lasso import lasso_mask
 from app.core.screen.projection import Projected, View, project
 from app.core.screen.visibility import visible_mask
-from app.core.units import to_mm
+from app.core.units import group_digits, to_mm
 
 Mode = Literal["visible", "through"]
 
@@ -45,10 +45,11 @@ class LassoResult:
 
     def describe(self) -> str:
         """The sentence for the status bar."""
-        count = _group(len(self.indices))
+        count = group_digits(len(self.indices))
         if self.mode == "through":
             return f"{count} selected, through everything"
-        return f"{count} selected, {_group(self.hidden)} hidden, tolerance {_mm(self.tolerance)}"
+        hidden = group_digits(self.hidden)
+        return f"{count} selected, {hidden} hidden, tolerance {_mm(self.tolerance)}"
 
 
 def select_in_lasso(
@@ -109,10 +110,6 @@ def choose_tolerance(view: View, where: Projected, caught: Bools) -> float:
         return SMALLEST_TOLERANCE
     pixel = view.pixel_size(float(np.median(where.depth[caught])))
     return max(SMALLEST_TOLERANCE, TOLERANCE_PIXELS * pixel)
-
-
-def _group(count: int) -> str:
-    return f"{count:,}".replace(",", "\u202f")
 
 
 def _mm(metres: float) -> str:

@@ -148,6 +148,7 @@ def user(
     qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> Iterator[User]:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    palette, sheet = qapp.palette(), qapp.styleSheet()
     theme = ThemeSwitch(qapp)
     theme.apply("light")
     window = MainWindow(theme)
@@ -161,6 +162,8 @@ def user(
     window._agreed_to_close = True
     window.close()
     window.deleteLater()
+    qapp.setStyleSheet(sheet)  # later tests find the application as it was
+    qapp.setPalette(palette)
 
 
 def outline(user: User, leaf: int) -> list[QPointF]:
