@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.core.errors import LeafscopeError
 from app.core.progress import Progress
+from app.core.units import count_points
 from app.formats.options import DEFAULTS, ReadOptions
 from app.formats.session import SUFFIX
 from app.model.operations import CloseScan, SetPose
@@ -111,7 +112,7 @@ class Documents(QObject):
             controller.run(
                 f"Writing {path.name}",
                 write,
-                lambda points: controller.said.emit(f"{points:,} points written to {path}."),
+                lambda points: controller.said.emit(f"{count_points(points)} written to {path}."),
             )
 
         controller.run("Computing what is exported", compute, then)
@@ -147,7 +148,7 @@ class Documents(QObject):
         first = scans[0]
         colour = controller.view.colour or (first.channels[0].name if first.channels else "")
         controller.look(current=keys[0], colour=colour)
-        controller.said.emit(f"{first.name}: {sum(map(len, scans)):,} points.")
+        controller.said.emit(f"{first.name}: {count_points(sum(map(len, scans)))}.")
         for key, pose in zip(keys, proposed, strict=True):
             if pose is not None:
                 self.pose_proposed.emit(key, pose)

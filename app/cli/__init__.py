@@ -10,8 +10,18 @@ from app.core.errors import BadInput, Cancelled, LeafscopeError, WrongUse
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and leave with its exit code: 0, 2 wrong use, 3 bad input, 4 cancelled."""
+    from app.cli.console import cancel_on_signals
+
     words = list(sys.argv[1:] if arguments is None else arguments)
-    sys.exit(run([word for word in words if word != "--debug"], "--debug" in words))
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+    debug = "--debug" in words
+    try:
+        cancel_on_signals()
+        code = run([word for word in words if word != "--debug"], debug)
+    except Cancelled as error:  # between two steps, where `run` does not catch it
+        code = _fail(error, debug)
+    sys.exit(code)
 
 
 def run(words: Sequence[str], debug: bool = False) -> int:
@@ -43,5 +53,8 @@ def _fail(error: LeafscopeError, debug: bool) -> int:
         import traceback
 
         traceback.print_exc()
+    from app.cli.console import LINE
+
+    LINE.wipe()
     print(f"leafscope: {error}", file=sys.stderr)
     return error.exit_code

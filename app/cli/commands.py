@@ -31,7 +31,7 @@ Overwrite = Annotated[bool, Parameter(help="Replace files that exist.")]
 class Reading:
     """How a file is read and understood."""
 
-    origin: str | None = None
+    origin: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
     "Position of the scanner in world metres, X,Y,Z."
     channel: tuple[str, ...] = ()
     "Name a channel by hand, NAME=WAVELENGTH:KIND (kind: DN, dB, linear, reflectance)."
@@ -133,6 +133,8 @@ def compute(
     from app.services.compute import compute_file
 
     if report is not None:
+        if report.resolve() == out.resolve():
+            raise WrongUse(f"{out} cannot be both the result and the report.")
         refuse_target(report, overwrite)
     parameters = {} if radius is None else {"radius": radius}
     found = compute_file(opening(file, reading), field, out, parameters, overwrite, watch())
@@ -251,7 +253,7 @@ def snapshot(
     out: Path,
     size: str = "1280x800",
     theme: Literal["light", "dark"] = "light",
-    limits: str | None = None,
+    limits: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     radius: float | None = None,
     reading: Reading = DEFAULT_READING,
     overwrite: Overwrite = False,
@@ -271,6 +273,7 @@ def snapshot(
     limits
         Limits of the colours, LOW,HIGH.
     """
+    from app.cli.printing import say
     from app.services.snapshot import parse_limits, parse_size, snapshot_file
 
     snapshot_file(
@@ -284,7 +287,7 @@ def snapshot(
         overwrite,
         watch(),
     )
-    print(f"{out} written.")
+    say(f"{out} written.")
 
 
 @leafscope.command
@@ -320,7 +323,8 @@ def demo(*, out: Path | None = None, overwrite: Overwrite = False) -> None:
 
         open_window(["--demo"])
     else:
+        from app.cli.printing import say
         from app.services.demo import run_demo
 
         for line in run_demo(out, overwrite, watch()):
-            print(line)
+            say(line)

@@ -1,4 +1,4 @@
-"""Progress on a terminal, and the cancel by Ctrl-C or a polite kill."""
+"""A command's terminal: progress on it, and the cancel by Ctrl-C or a polite kill."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from app.core.errors import Cancelled
 from app.core.progress import LiveProgress, Progress
 
 if TYPE_CHECKING:
@@ -14,36 +15,49 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0
 INTERVAL = 0.1
+STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
-class _Watcher:
+class ProgressLine:
+    """One line on the error stream that is rewritten, if that is a terminal."""
+
     def __init__(self) -> None:
-        self.stop = False
         self._started = self._shown = time.monotonic()
-        self._terminal = sys.stderr.isatty()
+        self._on_screen = False
 
-    def ask_to_stop(self, number: int, frame: FrameType | None) -> None:
-        if self.stop:  # asked twice: do not wait for the next report
-            raise KeyboardInterrupt
-        self.stop = True
-
-    def tell(self, fraction: float, text: str) -> None:
+    def show(self, fraction: float, text: str) -> None:
+        """Rewrite the line, once the work takes longer than a moment."""
         now = time.monotonic()
-        if self._terminal and now - self._started > PATIENCE and now - self._shown > INTERVAL:
-            self._shown = now
+        patient = now - self._started > PATIENCE and now - self._shown > INTERVAL
+        if patient and sys.stderr.isatty():
+            self._shown, self._on_screen = now, True
             print(f"\r\x1b[2K{fraction:4.0%} {text}", end="", file=sys.stderr, flush=True)
 
     def wipe(self) -> None:
-        if self._terminal and self._shown > self._started:
+        """Take the line away before something else is printed."""
+        if self._on_screen:
+            self._on_screen = False
             print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
 
-def watch() -> Progress:
-    """Progress for one command; Ctrl-C cancels at the next report, a second one at once."""
-    import atexit
+LINE = ProgressLine()
 
-    watcher = _Watcher()
-    atexit.register(watcher.wipe)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, watcher.ask_to_stop)
-    return LiveProgress(watcher.tell, lambda: watcher.stop)
+
+def watch() -> Progress:
+    """Progress of one command."""
+    return LiveProgress(LINE.show)
+
+
+def cancel_on_signals() -> None:
+    """From now on Ctrl-C and a polite kill raise `Cancelled` where the program stands.
+
+    Only the first does: what cleans up afterwards is not to be interrupted.
+    """
+    for number in STOPS:
+        signal.signal(number, _cancel)
+
+
+def _cancel(_number: int, _frame: FrameType | None) -> None:
+    for other in STOPS:
+        signal.signal(other, signal.SIG_IGN)
+    raise Cancelled

@@ -8,6 +8,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from app.cli.console import LINE
+
+
+def say(text: str) -> None:
+    """Print a line for the user, free of the progress line."""
+    LINE.wipe()
+    print(text)
+
 
 def plain(value: Any) -> Any:
     """The same value as JSON can hold it: NaN becomes null, numpy numbers become numbers."""
@@ -24,7 +32,7 @@ def plain(value: Any) -> Any:
 
 def print_json(value: Any) -> None:
     """Print JSON and nothing else."""
-    print(json.dumps(plain(value), indent=2, ensure_ascii=False))
+    say(json.dumps(plain(value), indent=2, ensure_ascii=False))
 
 
 def write_json(value: Any, path: Path, overwrite: bool) -> None:
@@ -41,7 +49,7 @@ def print_values(found: Mapping[str, Any], as_json: bool) -> None:
         print_json(found)
         return
     for name, value in found.items():
-        print(f"{name.replace('_', ' ')}: {_show(value)}")
+        say(f"{name.replace('_', ' ')}: {_show(value)}")
 
 
 def print_info(found: Mapping[str, Any], as_json: bool) -> None:
@@ -49,23 +57,24 @@ def print_info(found: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(found)
         return
-    print(f"points: {found['points']:,}")
+    say(f"points: {found['points']:,}")
     grid = found["grid"]
-    print(f"grid: {grid[0]} rows × {grid[1]} columns" if grid else "grid: none")
+    say(f"grid: {grid[0]} rows × {grid[1]} columns" if grid else "grid: none")
     scanner = found["scanner"]
-    print(f"scanner: {_show(scanner)}" if scanner else "scanner: unknown (give --origin X,Y,Z)")
+    say(f"scanner: {_show(scanner)}" if scanner else "scanner: unknown (give --origin X,Y,Z)")
     for channel in found["channels"]:
         nm = channel["wavelength_nm"]
-        print(
+        say(
             f"channel: {channel['name']}, {nm or 'wavelength unknown'}{' nm' if nm else ''}, "
             f"{channel['kind']}"
         )
     if not found["channels"]:
-        print("channels: none")
-    print(f"attributes: {', '.join(found['attributes']) or 'none'}")
+        say("channels: none")
+    say(f"attributes: {', '.join(found['attributes']) or 'none'}")
     for name, value in found["details"].items():
-        print(f"{name.replace('_', ' ')}: {value}")
-    print(f"bounds: {_show(found['bounds'])}")
+        if value:
+            say(f"{name.replace('_', ' ')}: {value}")
+    say(f"bounds: {_show(found['bounds'])}")
     print_warnings(found["warnings"])
 
 
@@ -79,9 +88,9 @@ def print_report(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
         points = f", {count:,} points" if count is not None else ""
         undefined = report["undefined"].get(name, 0)
         without = f", {undefined:,} of them undefined" if undefined else ""
-        print(f"{name}: {seconds:.2f} s{points}{without}")
+        say(f"{name}: {seconds:.2f} s{points}{without}")
     print_warnings(report["warnings"])
-    print(f"{out} written.")
+    say(f"{out} written.")
 
 
 def print_fits(report: Mapping[str, Any], as_json: bool) -> None:
@@ -91,9 +100,9 @@ def print_fits(report: Mapping[str, Any], as_json: bool) -> None:
         return
     for entry in report["fits"]:
         group = ", ".join(f"{name} {value}" for name, value in entry["group"].items())
-        print(f"{group or 'all'}: {entry['model']}, {entry['n']} points, rss {entry['rss']}")
+        say(f"{group or 'all'}: {entry['model']}, {entry['n']} points, rss {entry['rss']}")
         for name, estimate in entry["parameters"].items():
-            print(f"  {name} = {_show_estimate(estimate)}")
+            say(f"  {name} = {_show_estimate(estimate)}")
         print_warnings(entry["warnings"])
 
 
@@ -102,7 +111,7 @@ def print_leaves(rows: Sequence[Mapping[str, Any]], out: Path, as_json: bool) ->
     if as_json:
         print_json({"leaves": list(rows)})
         return
-    print(f"{len(rows)} leaves; {out} written.")
+    say(f"{len(rows)} leaves; {out} written.")
 
 
 def print_replay(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
@@ -110,26 +119,26 @@ def print_replay(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
     if as_json:
         print_json(report)
         return
-    print(f"{len(report['steps'])} steps replayed.")
+    say(f"{len(report['steps'])} steps replayed.")
     for fit in report["fits"]:
-        print(f"{fit['fit']} {fit['model']}: {'same' if fit['same'] else 'DIFFERENT'}")
+        say(f"{fit['fit']} {fit['model']}: {'same' if fit['same'] else 'DIFFERENT'}")
     for scan in report["scans"]:
-        print(
+        say(
             f"{scan['scan']}: {scan['shown']:,} of {scan['points']:,} points, "
             f"{scan['leaves']} leaves"
         )
-    print(f"{out} written.")
+    say(f"{out} written.")
 
 
 def print_warnings(warnings: Sequence[str]) -> None:
     """Print warnings, a line each."""
     for warning in warnings:
-        print(f"note: {warning}")
+        say(f"note: {warning}")
 
 
 def _show(value: Any) -> str:
     if isinstance(value, float):
-        return f"{value:g}"
+        return f"{value:.10g}"
     if isinstance(value, (list, tuple)):
         return ", ".join(_show(inner) for inner in value)
     if isinstance(value, int) and not isinstance(value, bool):

@@ -70,5 +70,5 @@ class Cancelled(LeafscopeError):
 
     exit_code = 4
 
-    def __init__(self, what: str = "Cancelled; nothing was changed.") -> None:
+    def __init__(self, what: str = "Cancelled.") -> None:
         super().__init__(what)

@@ -33,3 +33,8 @@ def to_metres(mm: Any) -> Any:
 def group_digits(count: int) -> str:
     """A whole number with thousands apart by narrow spaces that do not break."""
     return f"{count:,}".replace(",", "\u202f")
+
+
+def count_points(count: int) -> str:
+    """``1 point``, ``2 501 points``."""
+    return f"{group_digits(count)} point{'' if count == 1 else 's'}"

@@ -44,14 +44,17 @@ def atomic_path(target: Path, overwrite: bool = False) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def refuse_target(target: Path, overwrite: bool) -> None:
-    """Raise `BadInput` where `target` must not or cannot be written; cheap, call it early."""
+def refuse_target(target: Path, overwrite: bool, folder_follows: bool = False) -> None:
+    """Raise `BadInput` where `target` must not or cannot be written; cheap, call it early.
+
+    With `folder_follows` the folder is made later.
+    """
     if target.is_dir():
         raise BadInput(f"{target} is a folder.", "Give the name of a file.")
     if target.exists() and not overwrite:
         hint = "Choose another name, or allow it with --overwrite."
         raise BadInput(f"{target} exists already.", hint)
-    if not target.parent.is_dir():
+    if not target.parent.is_dir() and not folder_follows:
         raise BadInput(f"The folder {target.parent} does not exist.", "Make it first.")
 
 

@@ -40,9 +40,13 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         if self.every_nth < 1:
-            raise WrongUse(f"every_nth must be 1 or more, not {self.every_nth}.")
-        if not 0.0 < self.metres_per_unit < float("inf"):
-            raise WrongUse(f"metres_per_unit must be above 0, not {self.metres_per_unit}.")
+            raise WrongUse(
+                f"Every n-th point: --every-nth must be 1 or more, not {self.every_nth}."
+            )
+        if not 1e-6 <= self.metres_per_unit <= 1e6:
+            raise WrongUse(
+                f"The unit in metres (--unit) lies in 1e-6 to 1e6, not at {self.metres_per_unit}."
+            )
 
     def as_json(self) -> dict[str, Any]:
         """The options as a dictionary of plain values."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from app.core.arrays import Floats, Ints
 from app.core.errors import WrongUse
+from app.core.units import count_points
 from app.model.leaf import FitRecord, Leaf, Sample
 from app.model.parameters import Parameters
 from app.model.points import EMPTY, PointSet
@@ -141,7 +142,7 @@ class SetDeleted(Operation, frozen=True):
     @property
     def title(self) -> str:
         verb = "Delete" if self.deleted else "Bring back"
-        return f"{verb} {len(self.points):,} points"
+        return f"{verb} {count_points(len(self.points))}"
 
     def apply(self, state: State) -> Applied:
         old = state.scan(self.scan)
@@ -169,7 +170,7 @@ class MarkGhosts(Operation, frozen=True):
             ("Keep", self.kept, "as no ghosts"),
             ("Unmark", self.cleared, ""),
         )
-        words = [f"{verb} {len(p):,} points {end}".strip() for verb, p, end in parts if len(p)]
+        words = [f"{verb} {count_points(len(p))} {end}".strip() for verb, p, end in parts if len(p)]
         return ", ".join(words) or "Mark no points"
 
     def apply(self, state: State) -> Applied:
@@ -220,7 +221,7 @@ class MovePoints(Operation, frozen=True):
 
     @property
     def title(self) -> str:
-        return f"Move {len(self.points):,} points"
+        return f"Move {count_points(len(self.points))}"
 
     def apply(self, state: State) -> Applied:
         old = state.scan(self.scan)
@@ -242,7 +243,7 @@ class Select(Operation, frozen=True):
 
     @property
     def title(self) -> str:
-        return f"Select {len(self.points):,} points" if len(self.points) else "Clear selection"
+        return f"Select {count_points(len(self.points))}" if len(self.points) else "Clear selection"
 
     def apply(self, state: State) -> Applied:
         old = state.scan(self.scan)
@@ -286,7 +287,7 @@ class PutLeaf(Operation, frozen=True):
     def title(self) -> str:
         if self.leaf is None:
             return "Remove leaf"
-        return f"{self.verb} {self.leaf.name} ({len(self.leaf.members):,} points)"
+        return f"{self.verb} {self.leaf.name} ({count_points(len(self.leaf.members))})"
 
     def apply(self, state: State) -> Applied:
         if self.leaf is not None:

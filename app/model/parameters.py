@@ -10,6 +10,8 @@ from app.core.errors import WrongUse
 from app.core.ghosts import THRESHOLD
 from app.core.incidence import RADIUS
 
+LARGEST_RADIUS = 0.5
+
 
 class Curve(msgspec.Struct, frozen=True):
     """An angular curve I(ω) in use: a model of `app.core.phase` with its values.
@@ -67,6 +69,11 @@ class Parameters(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         _check_positive("The neighbour radius", self.radius)
+        if self.radius > LARGEST_RADIUS:
+            raise WrongUse(
+                f"A neighbour radius of {self.radius:g} m is larger than any leaf.",
+                f"Give metres, at most {LARGEST_RADIUS:g}; the usual 4 mm are 0.004.",
+            )
         _check_positive("The plane gate", self.plane_gate)
         if not 0.0 <= self.ghost_threshold <= 1.0:
             raise WrongUse(f"A ghost threshold lies in 0 to 1, not at {self.ghost_threshold}.")

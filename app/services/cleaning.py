@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.core.progress import QUIET, Progress
+from app.core.units import group_digits
 from app.formats.atomic import refuse_target
 from app.model.operations import (
     Coordinates,
@@ -65,7 +66,11 @@ def correct_ghosts(project: Project, scan: str, progress: Progress = QUIET) -> t
         MovePoints(scan, corrected, Coordinates(moved[done])),
         MarkGhosts(scan, ghosts=ghosts - corrected, kept=corrected),
     )
-    project.do(Several(f"Correct {len(corrected):,} of {len(ghosts):,} ghosts", steps))
+    project.do(
+        Several(
+            f"Correct {group_digits(len(corrected))} of {group_digits(len(ghosts))} ghosts", steps
+        )
+    )
     return len(corrected), len(ghosts) - len(corrected)
 
 

@@ -11,20 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from app.core.errors import LeafscopeError
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
-from app.formats.cloud import take_points
-from app.model.fields import Evaluation, Subject, find_spec
+from app.model.operations import AddScan, SetParameters
 from app.model.project import Project
-from app.model.state import ScanState
-from app.services.curves import ensure_curve
 from app.services.export import export, gather, merge, refuse_unwritable
-from app.services.leaves import find_leaves
-from app.services.opening import Opening, open_file, set_parameters
+from app.services.opening import Opening, open_file
+from app.services.preparation import MADE_FROM, needs_preparation, prepare
 
-WARM_UP_POINTS = 64
-CURVE_FIELDS = ("incidence_from_intensity", "delta_omega")
 VERSIONED = ("leafscope", "numpy", "scipy", "numba")
 
 
@@ -41,8 +35,8 @@ def compute_file(
     Parameters
     ----------
     fields : sequence of str
-        Names of fields; without curve or leaves those that need them get a curve fitted to
-        the whole scan and leaves found by connectivity, and the report says so.
+        Names of fields; those that need leaves or a curve get leaves found by connectivity
+        and one curve fitted to all of them, and the report says so.
     out : Path
         A file whose suffix names a format that can be written.
     parameters : mapping
@@ -58,55 +52,26 @@ def compute_file(
     start = time.perf_counter()
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     read = time.perf_counter() - start
+    prepared = 0.0
     for key in keys:
-        prepare(project, key, fields, parameters or {}, progress.part(0.4, 0.5))
+        prepared += prepare(project, key, fields, parameters or {}, progress.part(0.4, 0.5))
         for name in fields:
             project.field(key, name, None, progress.part(0.5, 0.9))
     start = time.perf_counter()
     export(merge([gather(project, key, fields) for key in keys]), out, overwrite, progress)
-    report = make_report(project, keys, fields)
+    report = make_report(project, keys, fields, prepared)
     write = time.perf_counter() - start
     report["seconds"] = {"read": read, **report["seconds"], "write": write}
     return report
 
 
-def prepare(
-    project: Project,
-    scan: str,
-    fields: Sequence[str],
-    parameters: Mapping[str, Any],
-    progress: Progress = QUIET,
-) -> None:
-    """Set parameters, compile what will run, and make the curve or leaves that are missing."""
-    set_parameters(project, scan, **parameters)
-    for name in fields:
-        find_spec(project.catalogue(scan), name)
-    warm_up(project, scan, fields)
-    if any(name in CURVE_FIELDS for name in fields):
-        ensure_curve(project, scan, progress)
-    if "delta_omega" in fields and not project.state.leaves_of(scan):
-        find_leaves(project, scan, progress)
+def make_report(
+    project: Project, keys: Sequence[str], fields: Sequence[str], prepared: float = 0.0
+) -> dict[str, Any]:
+    """Seconds per field (all that it needed), points computed, undefined values, versions.
 
-
-def warm_up(project: Project, scan: str, fields: Sequence[str]) -> None:
-    """Compile the kernels of some fields on a handful of points, outside of any timing."""
-    state = project.state.scan(scan)
-    few = np.flatnonzero(state.scan.valid)[:WARM_UP_POINTS]
-    subject = Subject(ScanState.fresh(take_points(state.scan, few)))
-    evaluation = Evaluation(project.catalogue(scan), subject, {})
-    for name in fields:
-        try:
-            evaluation.read(name)
-        except LeafscopeError:
-            continue  # what is missing here is reported by the real computation
-    if not {"ghost", "ghost_score"}.isdisjoint(fields):
-        from app.core.ghosts import warm_up as warm_up_ghosts
-
-        warm_up_ghosts()  # among a few points there may be no doubt, and a kernel stays cold
-
-
-def make_report(project: Project, keys: Sequence[str], fields: Sequence[str]) -> dict[str, Any]:
-    """Seconds per field (all that it needed), points computed, undefined values, versions."""
+    `prepared` are the seconds that leaves and curve took; fields that rest on them count it.
+    """
     report: dict[str, Any] = {
         "seconds": dict.fromkeys(fields, 0.0),
         "parts": {},
@@ -118,6 +83,11 @@ def make_report(project: Project, keys: Sequence[str], fields: Sequence[str]) ->
     }
     for key in keys:
         _report_scan(project, key, fields, report)
+    for name in filter(needs_preparation, fields):
+        report["seconds"][name] += prepared
+        report["parts"][name]["leaves and curve"] = prepared
+    made = [s for s in project.history.done if not isinstance(s, (AddScan, SetParameters))]
+    report["warnings"] += [f"Done for you: {s.title}." for s in made]
     return report
 
 
@@ -126,6 +96,8 @@ def _report_scan(project: Project, key: str, fields: Sequence[str], report: dict
     state = project.state.scan(key)
     for name in fields:
         parts = seconds_of(project, key, name)
+        for other in MADE_FROM if needs_preparation(name) else ():
+            parts |= seconds_of(project, key, other)
         report["seconds"][name] += sum(parts.values())
         report["undefined"][name] += int(
             np.count_nonzero(~np.isfinite(known[name].values) & state.scan.valid)
@@ -137,7 +109,6 @@ def _report_scan(project: Project, key: str, fields: Sequence[str], report: dict
         report["computed"][name] = report["computed"].get(name, 0) + count
         report["notes"].setdefault(name, {}).update(known[name].notes if name in known else {})
     report["warnings"] += [w for w in state.scan.warnings if w not in report["warnings"]]
-    report["warnings"] += [f"Done for you: {step.title}." for step in project.history.done[1:]]
 
 
 def seconds_of(project: Project, scan: str, field: str) -> dict[str, float]:

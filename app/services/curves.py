@@ -131,17 +131,6 @@ def use_curve(project: Project, scan: str, curve: Curve, drag: str = "") -> None
     project.do(SetParameters(scan, parameters, drag))
 
 
-def ensure_curve(project: Project, scan: str, progress: Progress = QUIET) -> Curve:
-    """The curve in use; where there is none, one is fitted to the whole scan and said so."""
-    curve = project.state.scan(scan).parameters.curve
-    if curve is None:
-        use_fit(project, fit_leaves(project, scan, (), DEFAULT_MODEL, None, progress))
-        curve = project.state.scan(scan).parameters.curve
-    if curve is None:
-        raise BadInput("The fitted curve could not be put to use.")
-    return curve
-
-
 def plain(result: FitResult) -> dict[str, object]:
     """A fit as plain values, as sessions keep it."""
     return dict(result.as_dict())

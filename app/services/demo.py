@@ -9,6 +9,8 @@ import platformdirs
 
 from app import __version__
 from app.core.progress import QUIET, Progress
+from app.core.units import count_points, group_digits
+from app.formats.atomic import refuse_target
 from app.formats.cloud import Cloud
 from app.model.project import Project
 from app.model.view_state import ViewState
@@ -22,6 +24,7 @@ from app.services.snapshot import write_picture
 
 CHANNEL = "reflectance_1063"
 PICTURES = (CHANNEL, "ndi", "incidence", "delta_omega", "ghost_score", "leaf")
+FILES = (*(f"{name}.png" for name in PICTURES), "leaves.csv", "points.laz", "demo.leafscope")
 SIZE = (1280, 800)
 
 
@@ -40,22 +43,24 @@ def demo_file(progress: Progress = QUIET) -> Path:
 
 def run_demo(out: Path, overwrite: bool = False, progress: Progress = QUIET) -> Iterator[str]:
     """Open, find leaves, fit, mark ghosts, write pictures and tables; a line about each."""
-    out.mkdir(parents=True, exist_ok=True)
+    for name in FILES:
+        refuse_target(out / name, overwrite, folder_follows=True)
     project, (key,) = open_file(Opening(demo_file(progress)), progress)
     scan = project.state.scan(key).scan
-    yield f"Opened {scan.name}: {len(scan):,} points."
+    yield f"Opened {scan.name}: {count_points(len(scan))}."
     leaves = find_leaves(project, key, progress)
     yield f"Found {len(leaves)} leaves."
     record = fit_leaves(project, key, leaves, "lambert-beckmann", CHANNEL, progress)
     use_fit(project, record)
     yield f"Fitted {record.model} to {record.channel}: {_describe(record.result)}."
-    yield f"Marked {mark_ghosts(project, key, progress):,} ghosts."
+    yield f"Marked {group_digits(mark_ghosts(project, key, progress))} ghosts."
     yield from _write(project, key, out, overwrite, progress)
 
 
 def _write(
     project: Project, key: str, out: Path, overwrite: bool, progress: Progress
 ) -> Iterator[str]:
+    out.mkdir(parents=True, exist_ok=True)
     rows = measure_leaves(project, key, None, progress)
     write_table(rows, out / "leaves.csv", overwrite)
     for field in PICTURES:

@@ -142,11 +142,11 @@ def replay(
     the same, bit for bit, and which scan could not be coloured as in the window.
     """
     target = out / "report.json"
-    _make_folder(out)
-    refuse_target(target, overwrite)
+    refuse_target(target, overwrite, folder_follows=True)
     session = container.read(path)
     project = _load_library(path, session, progress.part(0.0, 0.5))
     fits = replay_log(project, session)
+    _make_folder(out)
     steps = [step.title for step in project.history.done]
     report: dict[str, Any] = {"session": str(path), "steps": steps, "scans": [], "fits": fits}
     for key, state in project.state.scans.items():

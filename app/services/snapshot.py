@@ -12,8 +12,8 @@ from app.formats.atomic import atomic_path, refuse_target
 from app.model.project import Project
 from app.model.scene import resolve
 from app.model.view_state import ColourRange, ViewState
-from app.services.compute import prepare
 from app.services.opening import Opening, open_file
+from app.services.preparation import prepare
 
 Theme = Literal["light", "dark"]
 
@@ -38,6 +38,8 @@ def snapshot_file(
     BadInput
         The file cannot be read, or lacks what the field needs.
     """
+    if out.suffix.lower() != ".png":
+        raise WrongUse(f"A picture is a .png file, not {out.name}.")
     refuse_target(out, overwrite)
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     for key in keys:

@@ -65,12 +65,18 @@ def test_a_parameter_spoils_only_what_depends_on_it(project: Project) -> None:
     for name in ("range", "reflectance_1063", "ndi", "ghost"):
         project.field(KEY, name)
     change(project, radius=0.006)
-    stale = {n for n in ("range", "ndi", "incidence", "ghost_score", "ghost")
-             if project.known_field(KEY, n) is None}
+    stale = {
+        n
+        for n in ("range", "ndi", "incidence", "ghost_score", "ghost")
+        if project.known_field(KEY, n) is None
+    }
     assert stale == {"incidence", "ghost_score", "ghost"}
     change(project, radius=Parameters().radius, ghost_threshold=0.9)
-    stale = {n for n in ("range", "ndi", "incidence", "ghost_score", "ghost")
-             if project.known_field(KEY, n) is None}
+    stale = {
+        n
+        for n in ("range", "ndi", "incidence", "ghost_score", "ghost")
+        if project.known_field(KEY, n) is None
+    }
     assert stale == {"ghost"}
 
 
@@ -109,8 +115,9 @@ def test_marks_overrule_the_score(project: Project) -> None:
 
 def test_delta_omega_is_the_angle_from_intensity_less_the_plane(project: Project) -> None:
     scan = project.state.scan(KEY).scan
-    members = PointSet.from_mask((scan.attributes["truth_leaf"] == 2)
-                                 & (scan.attributes["truth_ghost"] == 0))
+    members = PointSet.from_mask(
+        (scan.attributes["truth_leaf"] == 2) & (scan.attributes["truth_ghost"] == 0)
+    )
     project.do(PutLeaf("leaf-00001", Leaf("leaf-00001", KEY, "two", members)))
     change(project, curve=Curve("lambert", {"f": 0.5}, "reflectance_1063"))
     delta = project.field(KEY, "delta_omega")
@@ -138,9 +145,7 @@ def test_deleting_points_of_a_leaf_changes_its_plane(project: Project) -> None:
 
 
 @pytest.mark.parametrize("field", ["range", "incidence", "ghost", "ghost_score"])
-def test_without_a_scanner_the_sentence_says_what_is_missing(
-    project: Project, field: str
-) -> None:
+def test_without_a_scanner_the_sentence_says_what_is_missing(project: Project, field: str) -> None:
     project.do(SetPose(KEY, None))
     with pytest.raises(MissingScanner, match=r"position is unknown.*--origin"):
         project.field(KEY, field)
@@ -207,9 +212,7 @@ def test_another_attribute_under_the_same_name_is_another_channel(project: Proje
     first, second = project.state.scan(KEY).scan.channels
     project.field(KEY, first.name)
     project.do(SetChannels(KEY, (replace(first, attribute=second.attribute), second)))
-    np.testing.assert_array_equal(
-        project.field(KEY, first.name), project.field(KEY, second.name)
-    )
+    np.testing.assert_array_equal(project.field(KEY, first.name), project.field(KEY, second.name))
 
 
 def test_a_few_values_that_arrive_late_do_not_replace_all(project: Project) -> None:

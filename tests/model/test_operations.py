@@ -51,7 +51,7 @@ simple = st.one_of(
     st.builds(MarkGhosts, st.just("scan-00001"), points, points, points),
     st.builds(Select, st.just("scan-00001"), points),
     points.map(moves),
-    st.builds(lambda r: SetParameters("scan-00001", Parameters(radius=r)), st.floats(0.001, 1)),
+    st.builds(lambda r: SetParameters("scan-00001", Parameters(radius=r)), st.floats(0.001, 0.4)),
     st.builds(
         lambda k: SetParameters("scan-00001", Parameters(curve=Curve("lambert", {"f": k}, "i"))),
         st.floats(0.1, 2),

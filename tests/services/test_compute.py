@@ -9,7 +9,7 @@ from pathlib import Path
 SCRIPT = """
 import sys
 from pathlib import Path
-from app.services.compute import warm_up
+from app.services.preparation import warm_up
 from app.services.opening import Opening, open_file
 
 if __name__ == "__main__":

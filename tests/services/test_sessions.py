@@ -87,9 +87,7 @@ def test_undo_works_after_saving_and_reopening(
     assert [s.title for s in again.history.done] == [s.title for s in project.history.done]
     again.redo()
     project.redo()
-    np.testing.assert_array_equal(
-        again.state.scan(KEY).scan.xyz, project.state.scan(KEY).scan.xyz
-    )
+    np.testing.assert_array_equal(again.state.scan(KEY).scan.xyz, project.state.scan(KEY).scan.xyz)
     while again.history.done:
         again.undo()
     assert not again.state.scans

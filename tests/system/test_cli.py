@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +32,9 @@ def test_info(leaves_file: Path, leaves: Scan, capsys: Capture) -> None:
     assert found["scanner"] == pytest.approx(list(leaves.pose.position))
     assert [c["name"] for c in found["channels"]] == ["reflectance_1063", "reflectance_1545"]
     assert found["channels"][0] == {
-        "name": "reflectance_1063", "wavelength_nm": 1063.0, "kind": "reflectance",
+        "name": "reflectance_1063",
+        "wavelength_nm": 1063.0,
+        "kind": "reflectance",
     }
     low, high = found["bounds"]
     assert all(a < b for a, b in zip(low, high, strict=True))
@@ -39,10 +44,25 @@ def test_compute_writes_a_row_per_point_in_file_order(
     leaves_file: Path, leaves: Scan, tmp_path: Path, capsys: Capture
 ) -> None:
     out, report_file = tmp_path / "out.npz", tmp_path / "report.json"
-    assert run([
-        "compute", str(leaves_file), "--field", "incidence", "--field", "ghost", "--radius",
-        "0.02", "--out", str(out), "--report", str(report_file),
-    ]) == 0
+    assert (
+        run(
+            [
+                "compute",
+                str(leaves_file),
+                "--field",
+                "incidence",
+                "--field",
+                "ghost",
+                "--radius",
+                "0.02",
+                "--out",
+                str(out),
+                "--report",
+                str(report_file),
+            ]
+        )
+        == 0
+    )
     with np.load(out, allow_pickle=False) as written:
         np.testing.assert_allclose(written["xyz"], leaves.xyz, atol=1e-4)
         assert written["ghost"].dtype == bool
@@ -62,8 +82,9 @@ def test_compute_makes_the_curve_and_leaves_that_delta_omega_needs(
     leaves_file: Path, tmp_path: Path, capsys: Capture
 ) -> None:
     out = tmp_path / "out.npz"
-    report = answer(capsys, "compute", leaves_file, "--field", "delta_omega", "--radius", "0.02",
-                    "--out", out)
+    report = answer(
+        capsys, "compute", leaves_file, "--field", "delta_omega", "--radius", "0.02", "--out", out
+    )
     said = " ".join(report["warnings"])
     assert "Fit lambert-beckmann" in said
     assert "Find" in said
@@ -74,11 +95,25 @@ def test_compute_makes_the_curve_and_leaves_that_delta_omega_needs(
 def test_fit(tmp_path: Path, capsys: Capture) -> None:
     table = tmp_path / "angles.csv"
     angle = np.arange(0, 75, 5.0)
-    rows = [f"{kind},{a},{f * np.cos(np.radians(a))}" for kind, f in (("a", 2.0), ("b", 3.0))
-            for a in angle]
+    rows = [
+        f"{kind},{a},{f * np.cos(np.radians(a))}"
+        for kind, f in (("a", 2.0), ("b", 3.0))
+        for a in angle
+    ]
     table.write_text("leaf,angle,value\n" + "\n".join(rows))
-    found = answer(capsys, "fit", table, "--x", "angle", "--y", "value", "--group", "leaf",
-                   "--model", "lambert")["fits"]
+    found = answer(
+        capsys,
+        "fit",
+        table,
+        "--x",
+        "angle",
+        "--y",
+        "value",
+        "--group",
+        "leaf",
+        "--model",
+        "lambert",
+    )["fits"]
     assert [entry["group"] for entry in found] == [{"leaf": "a"}, {"leaf": "b"}]
     values = [entry["parameters"]["f"]["value"] for entry in found]
     assert values == pytest.approx([2.0, 3.0])
@@ -99,9 +134,7 @@ def test_leaves_by_label(leaves_file: Path, leaves: Scan, tmp_path: Path, capsys
 
 
 @pytest.mark.parametrize("mode", ["mark", "delete", "correct"])
-def test_clean(
-    leaves_file: Path, leaves: Scan, tmp_path: Path, capsys: Capture, mode: str
-) -> None:
+def test_clean(leaves_file: Path, leaves: Scan, tmp_path: Path, capsys: Capture, mode: str) -> None:
     out = tmp_path / "clean.npz"
     found = answer(capsys, "clean", leaves_file, "--mode", mode, "--out", out)
     with np.load(out) as written:
@@ -118,8 +151,21 @@ def test_snapshot(leaves_file: Path, tmp_path: Path) -> None:
     from matplotlib.image import imread
 
     out = tmp_path / "picture.png"
-    assert run(["snapshot", str(leaves_file), "--colour", "range", "--size", "320x200",
-                "--out", str(out)]) == 0
+    assert (
+        run(
+            [
+                "snapshot",
+                str(leaves_file),
+                "--colour",
+                "range",
+                "--size",
+                "320x200",
+                "--out",
+                str(out),
+            ]
+        )
+        == 0
+    )
     image = imread(out)
     assert image.shape[:2] == (200, 320)
     assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 50
@@ -150,11 +196,16 @@ BAD_INPUT = [
 
 
 @pytest.mark.parametrize(
-    ("words", "code"), [(w, 2) for w in WRONG_USE] + [(w, 3) for w in BAD_INPUT],
+    ("words", "code"),
+    [(w, 2) for w in WRONG_USE] + [(w, 3) for w in BAD_INPUT],
     ids=lambda value: " ".join(value[:4]) if isinstance(value, list) else str(value),
 )
 def test_errors_are_one_sentence_with_the_right_code(
-    words: list[str], code: int, leaves_file: Path, tmp_path: Path, capsys: Capture,
+    words: list[str],
+    code: int,
+    leaves_file: Path,
+    tmp_path: Path,
+    capsys: Capture,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -171,16 +222,15 @@ def test_errors_are_one_sentence_with_the_right_code(
     assert left == before
 
 
-def test_a_missing_position_names_the_option_that_gives_it(
-    tmp_path: Path, capsys: Capture
-) -> None:
+def test_a_missing_position_names_the_option_that_gives_it(tmp_path: Path, capsys: Capture) -> None:
     bare = tmp_path / "bare.xyz"
     bare.write_text("0 0 1\n0 1 1\n1 0 1\n1 1 1.1\n")
     out = tmp_path / "o.csv"
     assert run(["compute", str(bare), "--field", "range", "--out", str(out)]) == 3
     assert "--origin" in capsys.readouterr().err
-    assert run(["compute", str(bare), "--field", "range", "--origin", "0,0,0", "--out",
-                str(out)]) == 0
+    assert (
+        run(["compute", str(bare), "--field", "range", "--origin", "0,0,0", "--out", str(out)]) == 0
+    )
     assert out.is_file()
 
 
@@ -250,3 +300,93 @@ def test_a_fault_of_ours_is_a_sentence_too(
     assert "KeyError" in error
     assert "--debug" in error
     assert len(error.splitlines()) == 1
+
+
+@pytest.mark.parametrize("after", [0.05, 0.4, 0.9, 1.4])
+def test_ctrl_c_cancels_wherever_it_comes(leaves_file: Path, tmp_path: Path, after: float) -> None:
+    out = tmp_path / "new" / "replayed"
+    command = [sys.executable, "-m", "app.cli", "demo", "--out", str(out)]
+    process = subprocess.Popen(
+        command,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        env={**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")},
+    )
+    time.sleep(after)
+    os.killpg(process.pid, signal.SIGINT)  # a terminal signals the whole group
+    _, err = process.communicate(timeout=20)
+    if process.returncode == -signal.SIGINT or process.returncode == 130:
+        assert after < 0.4, "only Python's own start may end without a sentence"
+    else:
+        assert process.returncode == 4
+        assert err.decode().strip() == "leafscope: Cancelled."
+    assert not out.parent.exists()
+
+
+def test_negative_coordinates_are_no_options(leaves_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o.npz"
+    assert (
+        run(
+            [
+                "compute",
+                str(leaves_file),
+                "--field",
+                "range",
+                "--origin",
+                "-1,-2.5,-3",
+                "--out",
+                str(out),
+            ]
+        )
+        == 0
+    )
+    with np.load(out) as written:
+        expected = np.linalg.norm(written["xyz"] - (-1, -2.5, -3), axis=1)
+        np.testing.assert_allclose(written["range"], expected)
+    picture = tmp_path / "p.png"
+    assert (
+        run(
+            [
+                "snapshot",
+                str(leaves_file),
+                "--colour",
+                "range",
+                "--limits",
+                "-1,1",
+                "--size",
+                "100x100",
+                "--out",
+                str(picture),
+            ]
+        )
+        == 0
+    )
+
+
+def test_a_report_never_takes_the_place_of_the_result(leaves_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o.npz"
+    words = ["compute", str(leaves_file), "--field", "range", "--out", str(out), "--report"]
+    assert run([*words, str(out)]) == 2
+    assert run([*words, str(tmp_path / "nowhere" / "r.json")]) == 3
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_field_leaf_finds_leaves(leaves_file: Path, tmp_path: Path, capsys: Capture) -> None:
+    out = tmp_path / "o.npz"
+    report = answer(capsys, "compute", leaves_file, "--field", "leaf", "--out", out)
+    assert any("Find" in note for note in report["warnings"])
+    with np.load(out) as written:
+        assert np.isfinite(written["leaf"]).sum() > 100
+
+
+def test_seconds_of_delta_omega_hold_leaves_and_curve(
+    leaves_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    report = answer(
+        capsys, "compute", leaves_file, "--field", "delta_omega", "--out", tmp_path / "o.npz"
+    )
+    parts = report["parts"]["delta_omega"]
+    assert {"incidence", "ghost_score", "leaves and curve"} <= set(parts)
+    assert report["seconds"]["delta_omega"] == pytest.approx(
+        sum(value for name, value in parts.items() if "." not in name)
+    )

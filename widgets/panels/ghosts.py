@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from uuid import uuid4
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import (
@@ -57,7 +58,7 @@ class GhostsPanel(Panel):
         self.setWindowTitle(self.tr("Ghosts"))
         self.counts: GhostCounts | None = None
         self._counts_for: Hashable = None
-        self._drag = 0
+        self._drag = uuid4().hex
         self._colour_before = ""
         self.notice = Notice(self)
         self.plot = ScorePlot(self)
@@ -247,7 +248,7 @@ class GhostsPanel(Panel):
             )
 
     def _on_grabbed(self) -> None:
-        self._drag += 1
+        self._drag = uuid4().hex
 
     def _on_slider(self, position: int) -> None:
         self.show_threshold(position / STEPS)
@@ -255,12 +256,12 @@ class GhostsPanel(Panel):
             self._commit()  # moved by the keyboard or the wheel
 
     def _on_field(self, value: float) -> None:
-        self._drag += 1
+        self._drag = uuid4().hex
         self.show_threshold(value)
         self._commit()
 
     def _on_line(self, value: float) -> None:
-        self._drag += 1
+        self._drag = uuid4().hex
         self.show_threshold(value)
         self._commit()
 

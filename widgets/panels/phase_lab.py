@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from uuid import uuid4
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
@@ -53,7 +54,7 @@ class PhaseLabPanel(Panel):
         self._chosen: tuple[str, ...] = ()
         self._points_for: Hashable = None
         self._seen: tuple[object, ...] = (None, None, None)
-        self._drag = 0
+        self._drag = uuid4().hex
         self.choice = CurveChoice(self)
         self.notice = Notice(self)
         self.editor = CurveEditor(self)
@@ -253,13 +254,13 @@ class PhaseLabPanel(Panel):
             )
 
     def _on_grabbed(self) -> None:
-        self._drag += 1
+        self._drag = uuid4().hex
 
     def _on_released(self) -> None:
         self._use_by_hand(f"curve {self._drag}")
 
     def _on_choice(self) -> None:
-        self._drag += 1
+        self._drag = uuid4().hex
         self.refresh_soon()
 
     def _on_notice(self) -> None:

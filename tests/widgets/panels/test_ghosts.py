@@ -30,7 +30,7 @@ def brute_count(opened, threshold: float) -> int:
 
 
 def said_count(panel) -> int:
-    return int(panel.summary.text().split("<b>")[1].split(" ")[0].replace(",", ""))
+    return int(panel.summary.text().split("<b>")[1].split(" ")[0].replace("\u202f", ""))
 
 
 def test_counts_are_those_of_the_score(panel, opened, qtbot) -> None:

@@ -44,7 +44,7 @@ def test_numbers_are_those_of_the_service(panel, opened) -> None:
     rows = measure_leaves(opened.controller.project, opened.controller.current)
     for place, row in enumerate(rows):
         assert cell(panel, place, "Leaf") == row["name"]
-        assert cell(panel, place, "Points").replace(",", "") == str(row["points"])
+        assert cell(panel, place, "Points").replace("\u202f", "") == str(row["points"])
         assert cell(panel, place, "ω plane (°)") == f"{row['incidence_plane_deg']:.1f}"
         assert cell(panel, place, "sd of ω (°)") == f"{row['incidence_sd_deg']:.1f}"
         mean, sd = cell(panel, place, "1063 nm").split(" ± ")

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QStyle, QStyleOptionSlider
 
 from app.core.fitting import FitResult
 from app.core.phase import MODELS, get_model
+from app.core.units import group_digits
 from widgets.common.angular_plot import DRAWN
 from widgets.common.angular_points import describe_steps, reduce_points
 from widgets.panels.phase_lab import PhaseLabPanel
@@ -52,7 +53,7 @@ def test_a_fit_finds_what_the_leaf_was_made_of(lab, qtbot) -> None:
     for name, value in TRUTH.items():
         assert result.values[name] == pytest.approx(value, abs=0.01)
         assert f"± {result.parameters[name].sd:.2g}"[:5] in lab.editor.rows.rows[name].error.text()
-    assert f"{result.n}" in lab.editor.facts.text()
+    assert group_digits(result.n) in lab.editor.facts.text()
     assert "RMSE" in lab.editor.facts.text()
 
 

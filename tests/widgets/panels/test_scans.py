@@ -61,9 +61,9 @@ def test_facts_of_the_current_scan(two, qtbot) -> None:
 
 def test_shown_and_total_follow_deletion_and_undo(two, qtbot) -> None:
     two.controller.do(SetDeleted(two.first, PointSet(range(81))))
-    qtbot.waitUntil(lambda: item_of(two.panel, two.first).text(1) == "7300 / 7381")
+    qtbot.waitUntil(lambda: item_of(two.panel, two.first).text(1) == "7\u202f300 / 7\u202f381")
     two.controller.undo()
-    qtbot.waitUntil(lambda: item_of(two.panel, two.first).text(1) == "7381 / 7381")
+    qtbot.waitUntil(lambda: item_of(two.panel, two.first).text(1) == "7\u202f381 / 7\u202f381")
 
 
 def test_a_tick_hides_and_shows(two, qtbot) -> None:
