@@ -115,7 +115,11 @@ class Picture(QObject):
         if self.view is not None and self._controller.scene.clouds:
             camera = self.view.camera()
             self._kept = (camera.position, camera.focal_point, camera.view_up)
-            self._controller.look(camera=self._kept, parallel_scale=camera.parallel_scale)
+            self._controller.look(
+                camera=self._kept,
+                view_angle=camera.view_angle,
+                parallel_scale=camera.parallel_scale,
+            )
 
     def _show(self, scene: Scene) -> None:
         from app.render.camera import Camera
@@ -132,7 +136,7 @@ class Picture(QObject):
             # A session brought its camera along.
             self._kept = state.camera
             position, focus, up = state.camera
-            camera = Camera(position, focus, up, parallel_scale=state.parallel_scale)
+            camera = Camera(position, focus, up, state.view_angle, state.parallel_scale)
             self.view.set_camera(camera)
         elif first:
             # A scan looks familiar from where it was made.

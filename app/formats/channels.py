@@ -69,7 +69,8 @@ def _kind(quantity: str, decibel: bool, values: AnyArray) -> ChannelKind:
         return "dB"
     if quantity == "intensity":
         return "DN"
-    sample = values[:: max(1, len(values) // _LOOKS)].astype(np.float64)
+    with np.errstate(invalid="ignore"):  # signalling NaN, as damaged files hold
+        sample = values[:: max(1, len(values) // _LOOKS)].astype(np.float64)
     sample = sample[np.isfinite(sample)]
     if quantity == "amplitude":
         return "dB" if np.abs(sample).max(initial=0.0) < 150.0 else "DN"

@@ -42,6 +42,8 @@ class ViewState(msgspec.Struct, frozen=True):
         Key of the leaf that panels work on.
     camera : tuple of three vectors or None
         Position, focal point, view up in world metres; None shows everything.
+    view_angle : float
+        Degrees from the lower to the upper border of a view in perspective.
     parallel_scale : float or None
         Half height of the view in metres when it is orthographic, else None.
     """
@@ -57,4 +59,5 @@ class ViewState(msgspec.Struct, frozen=True):
     leaf: str | None = None
     theme: Theme = "system"
     camera: tuple[Vector, Vector, Vector] | None = None
+    view_angle: float = 30.0
     parallel_scale: float | None = None

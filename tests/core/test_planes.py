@@ -107,6 +107,6 @@ def test_a_line_has_no_plane_however_noisy(noise: float) -> None:
 
 
 def test_a_crown_has_no_plane() -> None:
-    crown = (*np.random.default_rng(5).normal(0, (0.5, 0.4, 0.6), (3000, 3)), 5.0, 0.0, 2.0)
+    crown = np.random.default_rng(5).normal((5.0, 0.0, 2.0), (0.5, 0.4, 0.6), (3000, 3))
     with pytest.raises(BadInput, match="all directions"):
         leaf_plane(crown, np.zeros(3))

@@ -22,8 +22,8 @@ def click(panel, qtbot, row: int) -> None:
 
 def test_a_click_jumps_back_and_forth(opened, qtbot) -> None:
     panel = opened.show(HistoryPanel)
-    assert texts(panel) == ["Start", "Open bent leaf", "Make Leaf 1 (2,501 points)",
-                            "Make Leaf 2 (2,501 points)"]  # fmt: skip
+    assert texts(panel) == ["Start", "Open bent leaf", "Make Leaf 1 (2\u202f501 points)",
+                            "Make Leaf 2 (2\u202f501 points)"]  # fmt: skip
     assert panel.list.currentRow() == 3
     click(panel, qtbot, 2)
     assert list(opened.state.leaves) == ["leaf-00001"]

@@ -95,7 +95,7 @@ def test_merge_remove_and_undo(panel, opened, qtbot) -> None:
     qtbot.mouseClick(panel.merge_button, Qt.MouseButton.LeftButton)
     assert len(opened.state.leaves["leaf-00001"].members) == 5002
     qtbot.waitUntil(lambda: names(panel) == ["Leaf 1"])
-    qtbot.waitUntil(lambda: cell(panel, 0, "Points").replace(",", "") == "5002")
+    qtbot.waitUntil(lambda: cell(panel, 0, "Points").replace("\u202f", "") == "5002")
     qtbot.waitUntil(lambda: panel.selected == ("leaf-00001",))
     qtbot.mouseClick(panel.remove_button, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: "No leaf yet" in panel.notice.text)

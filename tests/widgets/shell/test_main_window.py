@@ -116,7 +116,7 @@ def test_a_session_comes_back_as_it_was_left(
     qtbot.waitUntil(lambda: window.stack.currentWidget() is window.welcome)
     window.desk.files.open_paths([path])
     qtbot.waitUntil(lambda: window.controller.scan is not None, timeout=20_000)
-    qtbot.waitUntil(lambda: window.picture.view.camera().position == camera.position)
+    qtbot.waitUntil(lambda: window.picture.view.camera() == camera)
     assert list(window.controller.scan.selection.indices) == [1, 2, 3]
 
 
