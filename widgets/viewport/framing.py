@@ -19,19 +19,32 @@ class Framing:
 
     def __init__(self, canvas: Canvas, bar: QWidget, extent: Callable[[], Floats]) -> None:
         self._canvas, self._bar, self._extent = canvas, bar, extent
+        self._make: Callable[[float], Camera] | None = None
 
     def around(self, camera: Camera, points: Floats) -> Camera:
         """Points, (k, 3) world metres, from the direction of `camera`."""
-        orthographic = camera.parallel_scale is not None
-        return self._beside(fit_points(camera, points, self._free_aspect, orthographic))
+        flat = camera.parallel_scale is not None
+        return self._keep(lambda aspect: fit_points(camera, points, aspect, flat))
 
     def from_scanner(self, scanner: Floats) -> Camera:
         """What the scanner saw."""
-        return self._beside(look_from(scanner, self._extent(), self._free_aspect))
+        return self._keep(lambda aspect: look_from(scanner, self._extent(), aspect))
 
     def standard(self, name: str, orthographic: bool) -> Camera:
         """Everything from one of the standard directions."""
-        return self._beside(look_at_points(self._extent(), name, self._free_aspect, orthographic))
+        return self._keep(lambda aspect: look_at_points(self._extent(), name, aspect, orthographic))
+
+    def again(self) -> Camera | None:
+        """The last of these for the canvas as it is now; None once the view was turned."""
+        return None if self._make is None else self._beside(self._make(self._free_aspect))
+
+    def forget(self) -> None:
+        """The view was turned by hand: its size no longer says where to look from."""
+        self._make = None
+
+    def _keep(self, make: Callable[[float], Camera]) -> Camera:
+        self._make = make
+        return self._beside(make(self._free_aspect))
 
     @property
     def _share(self) -> float:

@@ -131,13 +131,16 @@ class View3D(QWidget):
         """Where the viewer stands, in world metres."""
         return self._camera
 
-    def set_camera(self, camera: Camera) -> None:
-        """Look from there and stay."""
+    def set_camera(self, camera: Camera, framed: bool = False) -> None:
+        """Look from there and stay; `framed` views follow the size of the window."""
+        if not framed:
+            self._framing.forget()
         self._place(camera)
         self._refinement.begin()
 
     def move_camera(self, camera: Camera) -> None:
         """Look from there; more movement is likely to follow."""
+        self._framing.forget()
         self._place(camera)
         self._refinement.begin(hold=True)
 
@@ -147,16 +150,16 @@ class View3D(QWidget):
 
     def fit(self, points: Floats) -> None:
         """Show some points, (k, 3) world metres, from the present direction."""
-        self.set_camera(self._framing.around(self._camera, points))
+        self.set_camera(self._framing.around(self._camera, points), framed=True)
 
     def view_from(self, scanner: Floats) -> None:
         """Show what the scanner saw."""
-        self.set_camera(self._framing.from_scanner(scanner))
+        self.set_camera(self._framing.from_scanner(scanner), framed=True)
 
     def view_standard(self, name: str) -> None:
         """One of the standard views: top, bottom, front, back, left, right, iso, iso back."""
         orthographic = self._camera.parallel_scale is not None
-        self.set_camera(self._framing.standard(name, orthographic))
+        self.set_camera(self._framing.standard(name, orthographic), framed=True)
 
     def set_orthographic(self, on: bool) -> None:
         """Switch between orthographic and perspective."""
@@ -202,6 +205,9 @@ class View3D(QWidget):
         height = min(hint.height(), self.height() - 2 * edge)
         left = self.width() - hint.width() - edge
         self.colour_bar.setGeometry(left, edge, hint.width(), max(height, 0))
+        again = self._framing.again()
+        if again is not None:
+            self.set_camera(again, framed=True)
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Give back the graphics card before the window goes."""
