@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
-from app.model.scan import Scan
+from app.model.operations import AddScan
+from app.model.project import Project
+from app.model.scan import Channel, Pose, Scan
 
+Build = Callable[..., tuple[Project, str]]
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 
 # Kernels compile on their first call, which no example should be blamed for.
@@ -41,3 +46,23 @@ def leaves_file(leaves: Scan, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("scan") / "leaves.laz"
     export(Cloud(leaves), path)
     return path
+
+
+@pytest.fixture
+def build() -> Build:
+    """A project with one scan, one channel per attribute."""
+
+    def build_project(
+        xyz: np.ndarray, attributes: Mapping[str, np.ndarray] | None = None
+    ) -> tuple[Project, str]:
+        attributes = attributes or {}
+        channels = tuple(Channel(name, name) for name in attributes)
+        scan = Scan("test", xyz, attributes, channels, Pose((0.0, 0.0, 0.0)))
+        project = Project()
+        key = project.shelve(scan)
+        project.do(AddScan(key, "test", None))
+        for name in attributes:
+            project.field(key, name)
+        return project, key
+
+    return build_project

@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from app.core.arrays import Ints
 from app.core.errors import LeafscopeError
 from app.core.progress import Progress
-from app.model.events import Change
+from app.model.events import EVERYTHING, Change
 from app.model.fields import Values, fingerprint
 from app.model.operations import AnyOperation
 from app.model.project import Project
@@ -30,24 +30,6 @@ Then = Callable[[], None]
 
 # Changes of the view after which the colouring field is asked for anew.
 ASKING = {"colour", "hidden", "current"}
-EVERYTHING = Change(
-    frozenset(
-        {
-            "scans",
-            "points",
-            "pose",
-            "channels",
-            "deleted",
-            "ghosts",
-            "selection",
-            "parameters",
-            "leaves",
-            "fits",
-            "samples",
-            "fields",
-        }
-    )
-)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabWidget, QWidget
 
+from widgets.common.panel import Panel
 from widgets.controller import Controller
 from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
@@ -47,7 +48,7 @@ class Docks(QObject):
         super().__init__(window)
         self._window = window
         self.docks: dict[str, QDockWidget] = {}
-        self.panels: dict[str, QWidget] = {}
+        self.panels: dict[str, Panel] = {}
         window.setDockNestingEnabled(True)
         left = Qt.DockWidgetArea.LeftDockWidgetArea
         right = Qt.DockWidgetArea.RightDockWidgetArea
@@ -134,7 +135,7 @@ class Docks(QObject):
                 bare.deleteLater()
 
 
-def make_panels(controller: Controller, work: LeafWork, documents: Documents) -> dict[str, QWidget]:
+def make_panels(controller: Controller, work: LeafWork, documents: Documents) -> dict[str, Panel]:
     """Make every panel; their libraries are loaded here, not when the window opens."""
     from widgets.panels.ghosts import GhostsPanel
     from widgets.panels.history import HistoryPanel

@@ -144,8 +144,8 @@ class MainWindow(QMainWindow):
 
     def _connect_panels(self) -> None:
         panels = self.docks.panels
-        for name in ("scans", "phase_lab", "wrinkles", "ghosts"):
-            panels[name].origin_asked.connect(self._ask_origin)  # type: ignore[attr-defined]
+        for panel in panels.values():
+            panel.origin_asked.connect(self._ask_origin)
         panels["scans"].channel_asked.connect(self._ask_channel)  # type: ignore[attr-defined]
         chosen = panels["leaves"].chosen  # type: ignore[attr-defined]
         chosen.connect(panels["phase_lab"].choose_leaves)  # type: ignore[attr-defined]

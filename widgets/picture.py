@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from PySide6.QtCore import QObject
 
-from app.model.events import Change
+from app.model.events import EVERYTHING, Change
 from app.model.scene import Scene
 from app.model.view_state import ColourRange, ViewState
-from widgets.controller import EVERYTHING, Controller
+from widgets.controller import Controller
 from widgets.leaf_work import Combine, LeafWork
 from widgets.picking import Picker
 from widgets.theme import ThemeSwitch

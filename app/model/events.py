@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 Aspect = Literal[
     "scans",
@@ -27,3 +27,6 @@ class Change:
 
     aspects: frozenset[Aspect]
     fields: frozenset[str] = frozenset()
+
+
+EVERYTHING = Change(frozenset(get_args(Aspect)))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
 
 from app.core.arrays import Ints
-from app.model.events import Change
+from app.model.events import EVERYTHING, Change
 from app.model.fields import Same, fingerprint
-from widgets.controller import EVERYTHING, Controller
+from widgets.controller import Controller
 from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
 
@@ -21,7 +21,14 @@ class Panel(QWidget):
 
     However much changes, `refresh` runs once per turn of the event loop, and only while
     the panel can be seen: a hidden one computes nothing.
+
+    Signals
+    -------
+    origin_asked(str)
+        The user wants to say where the scanner of that scan stood.
     """
+
+    origin_asked = Signal(str)
 
     def __init__(
         self,
@@ -40,6 +47,11 @@ class Panel(QWidget):
         self._later.timeout.connect(self._refresh_if_seen)
         controller.document_changed.connect(self.on_document)
         controller.view_changed.connect(self._on_view)
+        self.build()
+
+    def build(self) -> None:
+        """Make the parts of the panel, once."""
+        raise NotImplementedError
 
     def refresh(self) -> None:
         """Show the document as it is now."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from uuid import uuid4
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtWidgets import (
     QCheckBox,
     QGridLayout,
@@ -26,9 +26,6 @@ from widgets.common.notice import Notice
 from widgets.common.numbers import NumberField, show_count, show_number
 from widgets.common.panel import Panel, make_scrolling
 from widgets.common.score_plot import ScorePlot
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 SCORE, GHOST = "ghost_score", "ghost"
 STEPS = 100
@@ -36,24 +33,10 @@ FEW_POINTS = 200_000
 
 
 class GhostsPanel(Panel):
-    """Score, threshold and what to do with the ghosts.
+    """Score, threshold and what to do with the ghosts."""
 
-    Signals
-    -------
-    origin_asked(str)
-        The user wants to say where the scanner of that scan stood.
-    """
-
-    origin_asked = Signal(str)
-
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("ghosts")
         self.setWindowTitle(self.tr("Ghosts"))
         self.counts: GhostCounts | None = None

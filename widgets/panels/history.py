@@ -4,28 +4,19 @@ from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QLabel, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QListWidget, QListWidgetItem, QVBoxLayout
 
 from app.model.events import Change
 from widgets.common.numbers import show_count
 from widgets.common.panel import Panel
 from widgets.common.step_titles import title_steps
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 
 class HistoryPanel(Panel):
     """Steps in force and, greyed, steps that were undone; a click goes there."""
 
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("history")
         self.setWindowTitle(self.tr("History"))
         self.list = QListWidget(self)

@@ -19,9 +19,6 @@ from PySide6.QtWidgets import (
 from app.services.jobs import Job
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel, make_scrolling
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 PATIENCE = 300  # ms; a job that is done by then is never shown
 PERMILLE = 1000
@@ -88,14 +85,8 @@ class JobRow(QFrame):
 class JobsPanel(Panel):
     """All jobs that run or wait."""
 
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("jobs")
         self.setWindowTitle(self.tr("Jobs"))
         self.rows: dict[Job, JobRow] = {}
@@ -108,7 +99,7 @@ class JobsPanel(Panel):
         make_scrolling(content, self)
         self._clock = QTimer(self, interval=PATIENCE)
         self._clock.timeout.connect(self.refresh)
-        controller.bridge.job_changed.connect(self._on_job)
+        self.controller.bridge.job_changed.connect(self._on_job)
 
     def refresh(self) -> None:
         """Show the jobs that have been there for a moment, drop those that ended."""

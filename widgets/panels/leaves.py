@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QPushButton,
     QTableView,
     QVBoxLayout,
-    QWidget,
 )
 
 from app.model.leaf import Leaf
@@ -26,9 +25,6 @@ from widgets.common.leaf_table import SORT, LeafTable
 from widgets.common.notice import Notice
 from widgets.common.numbers import show_count
 from widgets.common.panel import Panel
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 
 class LeavesPanel(Panel):
@@ -42,19 +38,13 @@ class LeavesPanel(Panel):
 
     chosen = Signal(object)
 
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("leaves")
         self.setWindowTitle(self.tr("Leaves"))
         self.notice = Notice(self)
         self.model = LeafTable(self)
-        self.measures = LeafMeasures(controller, self)
+        self.measures = LeafMeasures(self.controller, self)
         self._sorted = QSortFilterProxyModel(self)
         self._sorted.setSourceModel(self.model)
         self._sorted.setSortRole(SORT)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from uuid import uuid4
 
-from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from app.core.arrays import Ints
@@ -23,32 +22,15 @@ from widgets.common.leaf_points import join_members
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel, make_scrolling
 from widgets.common.plots import MOST_DOTS
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 FEW_POINTS = 200_000
 
 
 class PhaseLabPanel(Panel):
-    """Choose a model, see its curve, move it, fit it, put it to use.
+    """Choose a model, see its curve, move it, fit it, put it to use."""
 
-    Signals
-    -------
-    origin_asked(str)
-        The user wants to say where the scanner of that scan stood.
-    """
-
-    origin_asked = Signal(str)
-
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("phase-lab")
         self.setWindowTitle(self.tr("Phase lab"))
         self._chosen: tuple[str, ...] = ()

@@ -6,27 +6,18 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QPushButton, QVBoxLayout
 
 from widgets.common.fact_table import FactTable
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 
 class PickPanel(Panel):
     """Shows what is known of one point; copies it as a table."""
 
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("pick")
         self.setWindowTitle(self.tr("Point"))
         self._values: list[tuple[str, str, str]] = []

@@ -23,9 +23,6 @@ from widgets.common.notice import Notice
 from widgets.common.numbers import show_count, show_number
 from widgets.common.panel import Panel, make_scrolling
 from widgets.common.scan_tree import ScanTree
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 MOST_CHANNEL_LINES = 8
 
@@ -35,23 +32,14 @@ class ScansPanel(Panel):
 
     Signals
     -------
-    origin_asked(str)
-        The user wants to say where the scanner of that scan stood.
     channel_asked(str, str)
         The user wants to name a channel: scan and channel.
     """
 
-    origin_asked = Signal(str)
     channel_asked = Signal(str, str)
 
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("scans")
         self.setWindowTitle(self.tr("Scans"))
         self.notice = Notice(self)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 
-from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from app.core.arrays import Ints
@@ -24,33 +23,16 @@ from widgets.common.notice import Notice
 from widgets.common.numbers import show_count, show_number, show_signed
 from widgets.common.panel import Panel, make_scrolling
 from widgets.common.wrinkle_map import SeenLeaf, see_leaf
-from widgets.controller import Controller
-from widgets.documents import Documents
-from widgets.leaf_work import LeafWork
 
 FIELD = "delta_omega"
 FEW_POINTS = 20_000
 
 
 class WrinklesPanel(Panel):
-    """Map and distribution of Δω of the current leaf.
+    """Map and distribution of Δω of the current leaf."""
 
-    Signals
-    -------
-    origin_asked(str)
-        The user wants to say where the scanner of that scan stood.
-    """
-
-    origin_asked = Signal(str)
-
-    def __init__(
-        self,
-        controller: Controller,
-        work: LeafWork,
-        documents: Documents,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(controller, work, documents, parent)
+    def build(self) -> None:
+        """Make the parts of the panel."""
         self.setObjectName("wrinkles")
         self.setWindowTitle(self.tr("Wrinkles"))
         self.seen: SeenLeaf | None = None
@@ -67,7 +49,7 @@ class WrinklesPanel(Panel):
         self._arrange()
         self.notice.clicked.connect(self._on_notice)
         self.colour_button.clicked.connect(self._on_colour)
-        work.fitted.connect(self._on_fitted)
+        self.work.fitted.connect(self._on_fitted)
 
     def _arrange(self) -> None:
         self.legend.setWordWrap(True)
