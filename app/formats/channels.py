@@ -41,6 +41,18 @@ def recognise_channels(attributes: Mapping[str, AnyArray]) -> tuple[Channel, ...
     return tuple(channel for channel in found if channel is not None)
 
 
+def name_constants(attributes: Mapping[str, AnyArray]) -> tuple[str, ...]:
+    """Sentences about attributes that are called intensity but hold one value throughout."""
+    return tuple(
+        f"{name[:1].upper()}{name[1:]} is {values[0]:g} throughout: it holds no measurement."
+        for name, values in attributes.items()
+        if _NAME.fullmatch(name.strip())
+        and len(values) > 1
+        and values.dtype.kind in "iuf"
+        and _is_constant(values)
+    )
+
+
 def _recognise(name: str, values: AnyArray) -> Channel | None:
     match = _NAME.fullmatch(name.strip())
     if match is None or values.dtype.kind not in "iuf" or _is_constant(values):

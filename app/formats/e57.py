@@ -126,7 +126,7 @@ def _make_scan(layout: ScanLayout, values: dict[str, AnyArray]) -> Scan:
         pose=layout.pose,
         grid=grid,
         metadata={**layout.metadata, "beams without echo": str(int(silent.sum()))},
-        warnings=layout.warnings + notes + _list_warnings(layout, values, silent, grid),
+        warnings=layout.warnings + notes + _list_warnings(layout, silent, grid),
     )
     return apply_notes(scan, layout.notes)
 
@@ -202,15 +202,10 @@ def _to_world(local: Floats, pose: Pose | None) -> Floats:
     return world
 
 
-def _list_warnings(
-    layout: ScanLayout, values: Mapping[str, AnyArray], silent: Bools, grid: Grid | None
-) -> tuple[str, ...]:
+def _list_warnings(layout: ScanLayout, silent: Bools, grid: Grid | None) -> tuple[str, ...]:
     warnings = []
     if len(silent) == 0:
         warnings.append(f"{layout.name} holds no points.")
     if silent.any() and grid is None:
         warnings.append(f"{int(silent.sum())} records without a point were left out.")
-    intensity = values.get("intensity")
-    if intensity is not None and len(intensity) and not intensity.any():
-        warnings.append("Intensity is 0 throughout: the file holds no intensity.")
     return tuple(warnings)

@@ -219,9 +219,6 @@ def _make_scan(path: Path, layout: Layout, table: _Table) -> Scan:
     warnings = list(layout.warnings)
     if table.seen < layout.points:
         warnings.append(f"Only {table.seen} of {layout.points} points could be recovered.")
-    intensity = attributes.get("intensity")
-    if intensity is not None and len(intensity) and not intensity.any():
-        warnings.append("Intensity is 0 throughout: the file holds no intensity.")
     return Scan(
         name=path.stem,
         xyz=table.xyz,

@@ -78,13 +78,18 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The file that a scan came from, enough to find it again and to know it."""
+    """The file that a scan came from, enough to find it again and to know it.
+
+    `sidecar` is the hash of the sidecar beside it, which may hold pose and channels; empty
+    where there was none.
+    """
 
     path: str
     size: int
     sha256: str
     scan_index: int = 0
     options: Mapping[str, str] = field(default_factory=dict)
+    sidecar: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,10 +16,12 @@ import psutil
 from app.core.errors import BadInput
 from app.core.progress import QUIET, Progress
 from app.formats._registry import FORMATS, find_format
+from app.formats.channels import name_constants
 from app.formats.handover import load_scans
 from app.formats.header import Header
 from app.formats.isolation import Limits, run_reader
 from app.formats.options import DEFAULTS, ReadOptions
+from app.formats.sidecar import sidecar_path
 from app.model.scan import Scan, Source
 
 SHARE_OF_FREE = 0.6  # of the free memory that one file may fill
@@ -72,9 +74,15 @@ def read_file(
     after = path.stat()
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
         raise BadInput(f"{path.name} changed while it was read.", "Open it again.")
-    source = Source(str(path), before.st_size, digest, 0, options.changed())
+    sidecar = sidecar_path(path)
+    beside = hash_file(sidecar) if sidecar.is_file() else ""
+    source = Source(str(path), before.st_size, digest, 0, options.changed(), beside)
     return [
-        replace(_to_metres(scan, options.metres_per_unit), source=replace(source, scan_index=i))
+        replace(
+            _to_metres(scan, options.metres_per_unit),
+            source=replace(source, scan_index=i),
+            warnings=(*scan.warnings, *name_constants(scan.attributes)),
+        )
         for i, scan in enumerate(scans)
     ]
 

@@ -16,6 +16,7 @@ from app.formats import session as container
 from app.formats.atomic import atomic_path, refuse_target
 from app.formats.options import ReadOptions
 from app.formats.session import Session
+from app.formats.sidecar import sidecar_path
 from app.model.history import settle
 from app.model.leaf import FitRecord
 from app.model.operations import AddScan, AnyOperation, PutFit, Several
@@ -111,6 +112,12 @@ def _pick(scans: list[Scan], file: Path, source: Source) -> Scan:
         raise BadInput(
             f"{file} is not the file that the session was made from: its content has changed.",
             "Bring the old file back, or start a new session with the new one.",
+        )
+    if found.source.sidecar != source.sidecar:
+        raise BadInput(
+            f"What lies beside {file} in {sidecar_path(file).name} has changed or is gone; it "
+            "held the scanner's position and channels.",
+            "Bring the old sidecar back, or start a new session.",
         )
     return replace(found, source=source)
 

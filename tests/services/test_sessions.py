@@ -119,6 +119,14 @@ def test_a_changed_source_is_refused(worked: tuple[Project, Path], tmp_path: Pat
         open_session(tmp_path / "s.leafscope")
 
 
+def test_a_changed_sidecar_is_refused(worked: tuple[Project, Path], tmp_path: Path) -> None:
+    project, source = worked
+    save_session(project, VIEW, tmp_path / "s.leafscope")
+    Path(f"{source}.leafscope.json").unlink()
+    with pytest.raises(BadInput, match="has changed or is gone"):
+        open_session(tmp_path / "s.leafscope")
+
+
 def test_a_scan_from_no_file_cannot_be_saved(leaves: Scan, tmp_path: Path) -> None:
     project = Project()
     add_scans(project, [leaves])
