@@ -8,6 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
 from app.core.arrays import AnyArray
+from app.core.units import group_digits
 from app.render.palettes import FLAG
 from widgets.common.plots import Plot
 
@@ -49,7 +50,7 @@ class ScorePlot(Plot):
         top = max(float(np.log10(max(histogram.max(initial=1), 1))), 1.0)
         self._tops = np.where(histogram > 0, np.log10(np.maximum(histogram, 1)) + LEAST_SHARE, 0.0)
         decades = range(int(top) + 1)
-        self.getAxis("left").setTicks([[(d + LEAST_SHARE, f"{10**d:,}") for d in decades]])
+        self.getAxis("left").setTicks([[(d + LEAST_SHARE, group_digits(10**d)) for d in decades]])
         self.setYRange(0.0, top + 2 * LEAST_SHARE, padding=0.0)
         self.show_threshold(threshold)
 
