@@ -30,8 +30,8 @@ class Documents(QObject):
 
     Signals
     -------
-    pose_proposed(str, Pose)
-        The grid of a scan without pose speaks for this position; the user decides.
+    pose_proposed(str, Pose or None)
+        A scan has no pose; its grid speaks for this position, or for none. The user decides.
     path_changed(Path or None)
         The session file that is being worked on.
     """
@@ -149,8 +149,8 @@ class Documents(QObject):
         colour = controller.view.colour or (first.channels[0].name if first.channels else "")
         controller.look(current=keys[0], colour=colour)
         controller.said.emit(f"{first.name}: {count_points(sum(map(len, scans)))}.")
-        for key, pose in zip(keys, proposed, strict=True):
-            if pose is not None:
+        for key, scan, pose in zip(keys, scans, proposed, strict=True):
+            if scan.pose is None:
                 self.pose_proposed.emit(key, pose)
 
     def _set_path(self, path: Path | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -162,7 +162,10 @@ class LeafWork(QObject):
         state = self._controller.scan
         # Without a position there are no ghosts to leave out, but there are leaves.
         needed = "ghost" if state is not None and state.scan.pose is not None else None
-        self._carry_out("Finding leaves", needed, find_leaves)
+        self._carry_out("Finding leaves", needed, find_leaves, self._tell_found)
+
+    def _tell_found(self, keys: list[str]) -> None:
+        self._controller.said.emit(f"{len(keys)} leaves found.")
 
     def fit(self, keys: Sequence[str], model: str, channel: str) -> None:
         """Fit a model to leaves (none: the whole scan); the fit is kept as a step."""
@@ -218,14 +221,22 @@ class LeafWork(QObject):
         changed = msgspec.structs.replace(leaf, members=members, basis=basis)
         self._controller.do(PutLeaf(leaf.key, changed, verb))
 
-    def _carry_out(self, title: str, field: str | None, service: Service) -> None:
+    def _carry_out(
+        self,
+        title: str,
+        field: str | None,
+        service: Service,
+        done: Callable[[Any], object] = lambda _: None,
+    ) -> None:
         # The field is asked for first, so that the document keeps it.
         controller, key = self._controller, self._controller.current
         if key is None:
             return
 
         def then() -> None:
-            controller.carry_out(key, title, lambda aside, progress: service(aside, key, progress))
+            controller.carry_out(
+                key, title, lambda aside, progress: service(aside, key, progress), done
+            )
 
         if field is None:
             then()

@@ -183,9 +183,15 @@ class MainWindow(QMainWindow):
     def _show_details(self, trouble: Trouble) -> None:
         ErrorDialog(trouble, self).show()
 
-    def _propose_pose(self, scan: str, pose: Pose) -> None:
-        place = ", ".join(f"{value:g}" for value in pose.position)
+    def _propose_pose(self, scan: str, pose: Pose | None) -> None:
         name = self.controller.project.state.scan(scan).scan.name
+        if pose is None:
+            text = self.tr("{0} does not say where the scanner stood.").format(name)
+            hint = self.tr("Range, incidence angle and ghosts need to know it.")
+            answer: Answer = (self.tr("Set position…"), partial(self._ask_origin, scan))
+            self.notices.show_notice("info", text, hint, [answer], "scanner")
+            return
+        place = ", ".join(f"{value:g}" for value in pose.position)
         text = self.tr("{0} does not say where the scanner stood. Its grid speaks for {1}.").format(
             name, place
         )

@@ -39,6 +39,7 @@ class Picture(QObject):
         self.view: View3D | None = None
         self._kept: object = None
         self._shown = False
+        self._there: set[str] = set()
         self._leaves = 0
         self._revealed_over: str | None = None
         controller.document_changed.connect(self._reveal_leaves)
@@ -128,6 +129,8 @@ class Picture(QObject):
         if self.view is None:
             return
         state, first = self._controller.view, bool(scene.clouds) and not self._shown
+        there = {cloud.scan for cloud in scene.clouds}
+        joined, self._there = bool(there - self._there), there
         self._shown = bool(scene.clouds)
         if not self._shown:
             self._kept = None  # what comes next brings a camera of its own
@@ -141,6 +144,8 @@ class Picture(QObject):
         elif first:
             # A scan looks familiar from where it was made.
             self.look_from_scanner()
+        elif joined:
+            self.view.fit_all()  # a scan that came later may lie anywhere
 
     def _reveal_leaves(self, change: Change) -> None:
         """Show leaves in the picture when there are some for the first time."""

@@ -81,7 +81,7 @@ class Source:
     """The file that a scan came from, enough to find it again and to know it.
 
     `sidecar` is the hash of the sidecar beside it, which may hold pose and channels; empty
-    where there was none.
+    where there was none, None where nobody looked.
     """
 
     path: str
@@ -89,7 +89,7 @@ class Source:
     sha256: str
     scan_index: int = 0
     options: Mapping[str, str] = field(default_factory=dict)
-    sidecar: str = ""
+    sidecar: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,8 @@ from app.model.project import Project
 from app.model.selection import Explicit, FieldRange, Selection
 from app.model.state import make_key, next_leaf_key
 
+# A segment that shares more than this with a leaf is that leaf, seen with another border.
+SAME_LEAF = 0.3
 Row = dict[str, str | float | int | None]
 
 
@@ -37,7 +39,23 @@ def find_leaves(project: Project, scan: str, progress: Progress = QUIET) -> list
     labels = segment_leaves(
         state.scan.xyz, scanner, state.scan.grid, ghosts=left_out, progress=progress
     )
+    _leave_known_leaves(labels, [leaf.members.indices for leaf in project.state.leaves_of(scan)])
     return _put_leaves(project, scan, labels.astype(np.float64), None)
+
+
+def _leave_known_leaves(labels: AnyArray, known: Sequence[Ints]) -> None:
+    """Take out what the user has made a leaf already, and the rims left around it."""
+    if not known or labels.max(initial=-1) < 0:
+        return
+    taken = np.zeros(len(labels), bool)
+    for members in known:
+        taken[members] = True
+    found = labels >= 0
+    size = np.bincount(labels[found])
+    overlap = np.bincount(labels[found & taken], minlength=len(size))
+    mostly = overlap > SAME_LEAF * size
+    labels[taken] = -1
+    labels[found & mostly[labels]] = -1
 
 
 def leaves_from_labels(project: Project, scan: str, field: str) -> list[str]:

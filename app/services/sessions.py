@@ -113,7 +113,7 @@ def _pick(scans: list[Scan], file: Path, source: Source) -> Scan:
             f"{file} is not the file that the session was made from: its content has changed.",
             "Bring the old file back, or start a new session with the new one.",
         )
-    if found.source.sidecar != source.sidecar:
+    if source.sidecar is not None and found.source.sidecar != source.sidecar:
         raise BadInput(
             f"What lies beside {file} in {sidecar_path(file).name} has changed or is gone; it "
             "held the scanner's position and channels.",

@@ -82,3 +82,17 @@ def test_fitting_a_leaf_that_is_gone_is_a_sentence(leaves: Scan) -> None:
         fit_leaves(project, KEY, ["leaf-00099"], "lambert")
     with pytest.raises(WrongUse, match="no leaf-00001"):
         fit_leaves(project, other, ["leaf-00001"], "lambert")
+
+
+def test_leaves_that_are_known_are_not_found_again(leaves: Scan) -> None:
+    project = Project()
+    (key,) = add_scans(project, [leaves])
+    everything = find_leaves(project, key)
+    project.undo()
+    first = np.flatnonzero(leaves.attributes["truth_leaf"] == 1)
+    made = Leaf("leaf-00001", key, "mine", PointSet(first[: int(0.8 * len(first))]))
+    project.do(PutLeaf(made.key, made))
+    again = find_leaves(project, key)
+    assert len(again) == len(everything) - 1
+    others = [project.state.leaves[k].members for k in again]
+    assert all(len(members & made.members) == 0 for members in others)

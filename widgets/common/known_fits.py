@@ -34,8 +34,9 @@ def find_source(state: State, scan: str, curve: Curve) -> FitResult | None:
 
 
 def have_same_values(first: Mapping[str, float], second: Mapping[str, float]) -> bool:
-    """Whether two sets of parameters are the same; an undetermined one equals another."""
-    return first.keys() == second.keys() and all(
-        value == second[name] or (math.isnan(value) and math.isnan(second[name]))
-        for name, value in first.items()
-    )
+    """Whether two sets of parameters are the same; undetermined ones may be missing."""
+
+    def determined(values: Mapping[str, float]) -> dict[str, float]:
+        return {name: value for name, value in values.items() if math.isfinite(value)}
+
+    return determined(first) == determined(second)

@@ -158,7 +158,8 @@ class PhaseLabPanel(Panel):
         fits = curve is not None and (curve.model, curve.channel) == (target.model, target.channel)
         if curve is not None and (turned or (record is None and fits)):
             source = find_source(self.controller.project.state, target.scan, curve)
-            self.editor.show_curve(get_model(target.model), curve.values, source)
+            shown = curve.values if source is None else source.values
+            self.editor.show_curve(get_model(target.model), shown, source)
         else:
             result = None if record is None else FitResult.from_dict(record.result)
             values = None if result is None else result.values

@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication, QKeySequence, QShortcut
 from PySide6.QtWidgets import QPushButton, QVBoxLayout
 
+from app.model.events import EVERYTHING, Change
 from widgets.common.fact_table import FactTable
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel
@@ -40,6 +41,12 @@ class PickPanel(Panel):
         """Show names, values and units; an empty sequence clears the panel."""
         self._values = [(name, _write(value), unit) for name, value, unit in values]
         self.refresh()
+
+    def on_document(self, change: Change) -> None:
+        """Let go of a point whose document is gone."""
+        if change is EVERYTHING:
+            self._values = []
+        super().on_document(change)
 
     def refresh(self) -> None:
         """Show the values, or how to get some."""

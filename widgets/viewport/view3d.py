@@ -243,6 +243,6 @@ class View3D(QWidget):
             text += f" · {100 * self.drawn // max(scene.shown, 1)} %"
         missing = sorted({cloud.missing for cloud in scene.clouds if cloud.missing})
         if missing:
-            text += " · " + self.tr("not computed yet: {}").format(", ".join(missing))
+            text += " · " + self.tr("no values: {}").format(", ".join(missing))
         self._overlay.set_text(text)
         self.progressed.emit()
