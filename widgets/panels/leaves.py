@@ -169,7 +169,7 @@ class LeavesPanel(Panel):
 
     def _enable(self) -> None:
         state, count = self.controller.scan, len(self.selected)
-        self.find_button.setEnabled(state is not None and state.scan.pose is not None)
+        self.find_button.setEnabled(state is not None)
         self.new_button.setEnabled(state is not None)
         self.merge_button.setEnabled(count > 1)
         self.remove_button.setEnabled(count > 0)

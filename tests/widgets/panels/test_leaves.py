@@ -122,6 +122,15 @@ def test_new_leaf_without_selection_waits_for_the_lasso(panel, opened, qtbot) ->
     qtbot.waitUntil(lambda: panel.selected == ())
 
 
+def test_leaves_can_be_found_without_a_scanner(desk, qtbot, make_scan) -> None:
+    panel = desk.show(LeavesPanel)
+    desk.open(make_scan(pose=False))
+    qtbot.waitUntil(panel.find_button.isEnabled)
+    with qtbot.waitSignal(desk.controller.said, timeout=60_000) as said:
+        qtbot.mouseClick(panel.find_button, Qt.MouseButton.LeftButton)
+    assert said.args == [f"{len(desk.state.leaves)} leaves found."]
+
+
 def test_find_leaves(desk, qtbot, make_scan) -> None:
     panel = desk.show(LeavesPanel)
     assert not panel.find_button.isEnabled()
