@@ -13,7 +13,7 @@ import numpy as np
 
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
-from app.model.operations import AddScan, SetParameters
+from app.model.operations import SetParameters
 from app.model.project import Project
 from app.services.export import export, gather, merge, refuse_unwritable
 from app.services.opening import Opening, open_file
@@ -52,7 +52,7 @@ def compute_file(
     start = time.perf_counter()
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     read = time.perf_counter() - start
-    prepared = 0.0
+    prepared, opened = 0.0, len(project.history.done)
     for key in keys:
         prepared += prepare(project, key, fields, parameters or {}, progress.part(0.4, 0.5))
         for name in fields:
@@ -60,6 +60,8 @@ def compute_file(
     start = time.perf_counter()
     export(merge([gather(project, key, fields) for key in keys]), out, overwrite, progress)
     report = make_report(project, keys, fields, prepared)
+    made = [s for s in project.history.done[opened:] if not isinstance(s, SetParameters)]
+    report["warnings"] += [f"Done for you: {step.title}." for step in made]
     write = time.perf_counter() - start
     report["seconds"] = {"read": read, **report["seconds"], "write": write}
     return report
@@ -86,8 +88,6 @@ def make_report(
     for name in filter(needs_preparation, fields):
         report["seconds"][name] += prepared
         report["parts"][name]["leaves and curve"] = prepared
-    made = [s for s in project.history.done if not isinstance(s, (AddScan, SetParameters))]
-    report["warnings"] += [f"Done for you: {s.title}." for s in made]
     return report
 
 

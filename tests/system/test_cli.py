@@ -390,3 +390,22 @@ def test_seconds_of_delta_omega_hold_leaves_and_curve(
     assert report["seconds"]["delta_omega"] == pytest.approx(
         sum(value for name, value in parts.items() if "." not in name)
     )
+
+
+def test_what_was_asked_for_is_not_called_done_for_you(
+    leaves_file: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    report = answer(
+        capsys,
+        "compute",
+        leaves_file,
+        "--field",
+        "range",
+        "--origin",
+        "0,0,1",
+        "--radius",
+        "0.006",
+        "--out",
+        tmp_path / "o.npz",
+    )
+    assert report["warnings"] == []
