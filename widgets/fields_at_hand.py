@@ -63,8 +63,7 @@ def why_not(project: Project, scan: str, field: str) -> str:
         return "There is no leaf yet: draw around one with the lasso."
     if spec.name in NAMED:
         try:
-            wavelengths = {c.name: c.wavelength_nm for c in state.scan.channels}
-            match_channels(NAMED[spec.name], wavelengths)
+            match_channels(NAMED[spec.name], state.scan.wavelengths)
         except MissingChannel as error:
             return error.what
     reasons = (why_not(project, scan, name) for name in spec.inputs)

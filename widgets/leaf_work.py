@@ -147,11 +147,6 @@ class LeafWork(QObject):
         elif steps:
             self._controller.do(Several(f"Remove {len(steps)} leaves", steps))
 
-    def select_leaf(self, key: str) -> None:
-        """Make the points of a leaf the selection."""
-        leaf = self._controller.project.state.leaves[key]
-        self._controller.do(Select(leaf.scan, leaf.members, Explicit(leaf.members)))
-
     def clear_selection(self) -> None:
         """Select nothing."""
         if self._controller.current is not None:

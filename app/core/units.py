@@ -25,11 +25,6 @@ def to_mm(metres: Any) -> Any:
     return metres * MM_PER_M
 
 
-def to_metres(mm: Any) -> Any:
-    """Millimetres to metres; scalars and arrays."""
-    return mm / MM_PER_M
-
-
 def group_digits(count: int) -> str:
     """A whole number with thousands apart by narrow spaces that do not break."""
     return f"{count:,}".replace(",", "\u202f")

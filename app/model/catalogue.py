@@ -35,19 +35,6 @@ def build_catalogue(scan: Scan, formulas: Iterable[Formula] = ()) -> Catalogue:
     return catalogue
 
 
-def intensity_channel(evaluation: Evaluation, needed_for: str) -> Channel:
-    """The channel in use; raises `MissingChannel` when the scan has none."""
-    state = evaluation.subject.state
-    if state.parameters.channel is not None:
-        return state.scan.channel(state.parameters.channel)
-    if not state.scan.channels:
-        raise MissingChannel(
-            f"{state.scan.name} has no intensity, and {needed_for} needs it.",
-            "Name a channel in the Channels panel if one of its attributes is an intensity.",
-        )
-    return state.scan.channels[0]
-
-
 def channel_field(channel: Channel) -> FieldSpec:
     """A channel as a field, in its own unit; nothing is rescaled."""
 
@@ -82,13 +69,12 @@ def index_field(index: NamedIndex, scan: Scan) -> FieldSpec:
     """A named spectral index over the nearest channels."""
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
-        channels = evaluation.subject.state.scan.channels
-        roles = match_channels(index, {c.name: c.wavelength_nm for c in channels})
+        roles = match_channels(index, evaluation.subject.state.scan.wavelengths)
         values = {role: evaluation.read(name, points) for role, name in roles.items()}
         return Computed(evaluate_index(index, values), {"channels": roles})
 
     try:
-        roles = match_channels(index, {c.name: c.wavelength_nm for c in scan.channels})
+        roles = match_channels(index, scan.wavelengths)
     except MissingChannel:
         roles = {}
     return FieldSpec(
@@ -233,7 +219,7 @@ def compute_leaf(evaluation: Evaluation, points: Ints | None) -> Computed:
 
 def _curve_in_use(evaluation: Evaluation) -> Curve:
     curve = evaluation.subject.state.parameters.curve
-    intensity_channel(evaluation, "the angle from intensity")
+    evaluation.subject.state.channel_in_use("the angle from intensity")
     if curve is None:
         raise BadInput(
             "No angular curve is in use, and the angle from intensity needs one.",

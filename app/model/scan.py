@@ -153,6 +153,11 @@ class Scan:
             raise MissingScanner(needed_for)
         return np.array(self.pose.position)
 
+    @property
+    def wavelengths(self) -> dict[str, float | None]:
+        """Wavelength of each channel, nm, by its name."""
+        return {channel.name: channel.wavelength_nm for channel in self.channels}
+
     def channel(self, name: str) -> Channel:
         """The channel of that name; raises `MissingChannel` with the names there are."""
         for channel in self.channels:

@@ -11,11 +11,11 @@ from typing import TypeVar
 import numpy as np
 
 from app.core.arrays import AnyArray, Bools
-from app.core.errors import WrongUse
+from app.core.errors import MissingChannel, WrongUse
 from app.model.leaf import FitRecord, Leaf, Sample
 from app.model.parameters import Parameters
 from app.model.points import EMPTY, PointSet
-from app.model.scan import Scan
+from app.model.scan import Channel, Scan
 
 V = TypeVar("V")
 
@@ -53,6 +53,23 @@ class ScanState:
     def alive(self) -> Bools:
         """Points that exist for the user: finite and not deleted, (n,) booleans."""
         return self.scan.valid & ~self.deleted
+
+    def channel_in_use(self, needed_for: str) -> Channel:
+        """The channel that fits and angles from intensity use.
+
+        Raises
+        ------
+        MissingChannel
+            The scan has no intensity; the sentence names `needed_for`.
+        """
+        if self.parameters.channel is not None:
+            return self.scan.channel(self.parameters.channel)
+        if not self.scan.channels:
+            raise MissingChannel(
+                f"{self.scan.name} has no intensity, and {needed_for} needs it.",
+                "Name a channel if one of its attributes is an intensity.",
+            )
+        return self.scan.channels[0]
 
     @cached_property
     def shown(self) -> int:

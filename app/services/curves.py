@@ -9,11 +9,11 @@ import msgspec
 import numpy as np
 
 from app.core.arrays import Floats, Ints
-from app.core.errors import BadInput, MissingChannel, WrongUse
+from app.core.errors import BadInput, WrongUse
 from app.core.fitting import FitResult, fit
 from app.core.progress import QUIET, Progress
 from app.core.units import to_radians
-from app.model.leaf import FitRecord
+from app.model.leaf import FitRecord, join_members
 from app.model.operations import PutFit, SetParameters
 from app.model.parameters import Curve
 from app.model.project import Project
@@ -25,16 +25,8 @@ DEFAULT_MODEL = "lambert-beckmann"
 
 
 def channel_in_use(project: Project, scan: str) -> str:
-    """The channel that fits use; raises `MissingChannel` when the scan has no intensity."""
-    state = project.state.scan(scan)
-    if state.parameters.channel is not None:
-        return state.scan.channel(state.parameters.channel).name
-    if not state.scan.channels:
-        raise MissingChannel(
-            f"{state.scan.name} has no intensity, and a curve needs it.",
-            "Name a channel if one of its attributes is an intensity.",
-        )
-    return state.scan.channels[0].name
+    """Name of the channel that fits use; see `ScanState.channel_in_use`."""
+    return project.state.scan(scan).channel_in_use("a curve").name
 
 
 def angles_and_values(
@@ -108,11 +100,12 @@ def members_of(project: Project, scan: str, leaves: Sequence[str]) -> Ints | Non
     """
     if not leaves:
         return None
-    there = {leaf.key: leaf.members for leaf in project.state.leaves_of(scan)}
+    there = {leaf.key: leaf for leaf in project.state.leaves_of(scan)}
+    whole = project.state.scan(scan).scan
     for key in leaves:
         if key not in there:
-            raise WrongUse(f"There is no {key} in {project.state.scan(scan).scan.name}.")
-    return np.unique(np.concatenate([there[key].indices for key in leaves]))
+            raise WrongUse(f"There is no {key} in {whole.name}.")
+    return join_members([there[key] for key in leaves], len(whole))
 
 
 def use_fit(project: Project, record: FitRecord) -> None:

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from app.core.arrays import Floats
 from app.core.progress import QUIET, Progress
-from app.formats.options import DEFAULTS, ReadOptions
 from app.model.scan import Scan
 from app.services.opening import Opening, open_file, propose_pose
-from app.services.reading import read_file
-
-
-def describe(
-    path: Path | str, options: ReadOptions = DEFAULTS, progress: Progress = QUIET
-) -> dict[str, Any]:
-    """Read a file and describe it; see `describe_scans` and, for errors, `read_file`."""
-    return describe_scans(read_file(path, options, progress))
 
 
 def describe_scans(scans: list[Scan]) -> dict[str, Any]:

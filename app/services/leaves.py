@@ -15,7 +15,7 @@ from app.core.indices import evaluate as evaluate_index
 from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
 from app.formats.atomic import atomic_path
-from app.model.leaf import Leaf
+from app.model.leaf import Leaf, join_members
 from app.model.operations import PutLeaf, Several
 from app.model.points import PointSet
 from app.model.project import Project
@@ -109,7 +109,7 @@ def measure_leaves(
     if not leaves:
         return []
     state = project.state.scan(scan)
-    points = np.unique(np.concatenate([leaf.members.indices for leaf in leaves]))
+    points = join_members(leaves, len(state.scan))
     points = points[state.alive[points]]
     columns = _columns(project, scan, points, progress)
     rows: list[Row] = []
@@ -141,7 +141,7 @@ def _measure(project: Project, leaf: Leaf, points: Ints, values: dict[str, AnyAr
     for channel in state.scan.channels:
         mean, sd = _mean_sd(values[channel.name])
         row |= {f"{channel.name}_mean": mean, f"{channel.name}_sd": sd}
-    wavelengths = {c.name: c.wavelength_nm for c in state.scan.channels}
+    wavelengths = state.scan.wavelengths
     for index in NAMED.values():
         try:
             roles = match_channels(index, wavelengths)

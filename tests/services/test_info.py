@@ -12,7 +12,8 @@ from app.formats import e57
 from app.formats.cloud import Cloud
 from app.formats.saving import save
 from app.model.scan import Channel, Grid, Pose, Scan
-from app.services.info import describe, describe_scans
+from app.services.info import describe_opened, describe_scans
+from app.services.opening import Opening
 
 KEYS = [
     "points", "grid", "scanner", "channels", "bounds", "attributes", "details", "warnings",
@@ -72,7 +73,7 @@ def test_nothing_is_null() -> None:
 
 def test_a_file(tmp_path: Path) -> None:
     save(tmp_path / "a.e57", Cloud(make_scan()), e57.write, sidecar=False)
-    facts = describe(tmp_path / "a.e57")
+    facts = describe_opened(Opening(tmp_path / "a.e57"))
     assert facts["points"] == 3
     assert facts["grid"] == [2, 4]
     assert facts["scanner"] == [1.0, 2.0, 3.0]
@@ -81,7 +82,9 @@ def test_a_file(tmp_path: Path) -> None:
 
 @pytest.mark.data
 def test_the_pump(shared_data: Path) -> None:
-    facts = describe(shared_data / "pump_e57_gridded" / "pumpAVisualReferenceImage.e57")
+    facts = describe_opened(
+        Opening(shared_data / "pump_e57_gridded" / "pumpAVisualReferenceImage.e57")
+    )
     assert facts["points"] == 155_201
     assert facts["grid"] == [1074, 345]
     assert facts["scanner"] is None

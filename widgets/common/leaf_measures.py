@@ -8,11 +8,10 @@ from PySide6.QtCore import QObject, Signal
 
 from app.core.progress import Progress
 from app.model.fields import Same
-from app.model.leaf import Leaf
+from app.model.leaf import Leaf, join_members
 from app.model.state import ScanState
 from app.services.leaves import Row, measure_leaves
 from widgets.common.aside import copy_aside
-from widgets.common.leaf_points import join_members
 from widgets.controller import Controller
 
 FIELD = "incidence"

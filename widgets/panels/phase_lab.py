@@ -11,6 +11,7 @@ from app.core.arrays import Ints
 from app.core.fitting import FitResult
 from app.core.phase import get_model
 from app.model.fields import Same
+from app.model.leaf import join_members
 from app.model.parameters import Curve
 from app.services.curves import channel_in_use
 from widgets.common.angular_points import AngularPoints, gather_points
@@ -18,7 +19,6 @@ from widgets.common.aside import copy_aside
 from widgets.common.curve_choice import CurveChoice, Target
 from widgets.common.curve_editor import CurveEditor
 from widgets.common.known_fits import find_newest, find_source, have_same_values
-from widgets.common.leaf_points import join_members
 from widgets.common.notice import Notice
 from widgets.common.panel import Panel, make_scrolling
 from widgets.common.plots import MOST_DOTS
