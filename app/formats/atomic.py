@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from app.core.errors import BadInput
+
+Begin = Callable[[Path, bool], Path]
 
 
 @contextmanager
@@ -28,20 +30,40 @@ def atomic_path(target: Path, overwrite: bool = False) -> Iterator[Path]:
     BadInput
         The target exists and may not be replaced, or its folder cannot be written to.
     """
-    refuse_target(target, overwrite)
-    temporary = target.with_name(f"{target.name}.tmp-{os.getpid()}")
+    with atomic_files() as begin:
+        yield begin(target, overwrite)
+
+
+@contextmanager
+def atomic_files() -> Iterator[Begin]:
+    """As `atomic_path` for files that belong together: all of them appear, or none.
+
+    The block calls ``begin(target, overwrite)`` for each file and writes to the path that
+    it gets.
+    """
+    pairs: list[tuple[Path, Path]] = []
+
+    def begin(target: Path, overwrite: bool) -> Path:
+        refuse_target(target, overwrite)
+        pairs.append((target.with_name(f"{target.name}.tmp-{os.getpid()}"), target))
+        return pairs[-1][0]
+
     try:
-        yield temporary
-        _flush(temporary)
-        os.replace(temporary, target)
-        _flush_folder(target.parent)
+        yield begin
+        for temporary, _ in pairs:
+            _flush(temporary)
+        _rename(pairs)
+        for folder in {target.parent for _, target in pairs}:
+            _flush_folder(folder)
     except OSError as error:
         raise BadInput(
-            f"{target} could not be written: {error.strerror or error}.",
+            f"{pairs[0][1] if pairs else 'The file'} could not be written: "
+            f"{error.strerror or error}.",
             "Choose another folder or make room on the disk; nothing was changed.",
         ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        for temporary, _ in pairs:
+            temporary.unlink(missing_ok=True)
 
 
 def refuse_target(target: Path, overwrite: bool, folder_follows: bool = False) -> None:
@@ -54,8 +76,46 @@ def refuse_target(target: Path, overwrite: bool, folder_follows: bool = False) -
     if target.exists() and not overwrite:
         hint = "Choose another name, or allow it with --overwrite."
         raise BadInput(f"{target} exists already.", hint)
-    if not target.parent.is_dir() and not folder_follows:
-        raise BadInput(f"The folder {target.parent} does not exist.", "Make it first.")
+    folder = target.parent
+    if not folder.is_dir() and not folder_follows:
+        raise BadInput(f"The folder {folder} does not exist.", "Make it first.")
+    if folder.is_dir() and not os.access(folder, os.W_OK):
+        raise BadInput(f"You may not write to the folder {folder}.", "Choose another folder.")
+
+
+def _rename(pairs: list[tuple[Path, Path]]) -> None:
+    """Put all files in place; where one cannot be, the older ones come back."""
+    asides: list[tuple[Path, Path]] = []
+    try:
+        for temporary, target in pairs:
+            if target != pairs[-1][1]:  # after the last one nothing can fail
+                asides.append((_set_aside(target), target))
+            os.replace(temporary, target)
+    except OSError:
+        for aside, target in asides:
+            _put_back(aside, target)
+        raise
+    for aside, _ in asides:
+        aside.unlink(missing_ok=True)
+
+
+def _set_aside(target: Path) -> Path:
+    """Another name under which an older file, if there is one, can be had back."""
+    aside = target.with_name(f"{target.name}.old-{os.getpid()}")
+    if target.exists():
+        try:
+            os.link(target, aside)
+        except OSError:  # no hard links on this file system
+            os.replace(target, aside)
+    return aside
+
+
+def _put_back(aside: Path, target: Path) -> None:
+    if aside.exists():
+        os.replace(aside, target)
+        aside.unlink(missing_ok=True)  # renaming one link of a file to another does nothing
+    else:
+        target.unlink(missing_ok=True)
 
 
 def _flush(path: Path) -> None:

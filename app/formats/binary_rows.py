@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ _CHUNK = 1 << 18  # rows
 
 
 def read_rows(
-    file: BinaryIO, dtype: np.dtype[np.void], rows: int, every_nth: int, progress: Progress
+    file: IO[bytes], dtype: np.dtype[np.void], rows: int, every_nth: int, progress: Progress
 ) -> tuple[npt.NDArray[np.void], int]:
     """Every n-th of up to `rows` rows from where `file` stands, and how many there were.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO
 
@@ -26,9 +27,14 @@ def write(path: Path, cloud: Cloud, progress: Progress) -> None:
     the grid, channels, units and the cloud's own provenance.
     """
     columns = cloud.columns
-    names = give_file_names(columns, taken=("xyz", "provenance"), clean=_clean)
+    names = give_file_names(columns, taken=("xyz", "provenance"), clean=clean_name)
     arrays = {"xyz": cloud.scan.xyz, **{names[name]: v for name, v in columns.items()}}
     arrays["provenance"] = np.array(encode_json(describe_cloud(cloud)).decode("utf-8"))
+    write_arrays(path, arrays, progress)
+
+
+def write_arrays(path: Path, arrays: Mapping[str, AnyArray], progress: Progress) -> None:
+    """Write arrays under their names, not compressed; the same arrays give the same bytes."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
         for index, (name, values) in enumerate(arrays.items()):
             part = progress.part(index / len(arrays), (index + 1) / len(arrays))
@@ -36,7 +42,7 @@ def write(path: Path, cloud: Cloud, progress: Progress) -> None:
 
 
 def _write_array(archive: zipfile.ZipFile, name: str, values: AnyArray, progress: Progress) -> None:
-    # A fixed date: the same cloud gives the same bytes.
+    # A fixed date, for the same bytes.
     entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
     with archive.open(entry, "w", force_zip64=True) as file:
         header = np.lib.format.header_data_from_array_1_0(values)
@@ -51,6 +57,6 @@ def _write_data(file: IO[bytes], values: AnyArray, progress: Progress) -> None:
         file.write(data[start : start + _CHUNK])
 
 
-def _clean(name: str) -> str:
+def clean_name(name: str) -> str:
     """A name that stays one plain file inside the archive."""
     return "".join(c if c.isprintable() and c not in '/\\:*?"<>|' else "_" for c in name)

@@ -121,7 +121,7 @@ def _parse_fields(path: Path, entries: dict[str, list[str]]) -> tuple[PcdField, 
     fields = []
     for name, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
         item = _TYPES.get(kind.upper() + size)
-        if item is None or not count.isdigit() or not 1 <= len(count) <= 4 or int(count) < 1:
+        if item is None or not count.isdecimal() or not 1 <= len(count) <= 4 or int(count) < 1:
             raise BadInput(f"{path.name}: the field {name[:40]} has no known type and count.")
         fields.append(PcdField(name, item, int(count)))
     axes = [field.name.lower() for field in fields if field.count == 1]

@@ -3,12 +3,14 @@
 A scan is ten header lines (columns, rows, position, three axes, a 4 × 4 matrix in
 row-vector convention), then one line per cell, column by column: the first ``rows``
 lines are column 0 from row 0 on. A cell at 0 0 0 is a beam without echo.
+All but coordinates and intensity of what we wrote ourselves lies beside it (`sidecar`,
+`fields_file`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,12 +19,17 @@ from app.core.arrays import AnyArray, Floats
 from app.core.errors import BadInput
 from app.core.progress import Progress
 from app.formats.channels import recognise_channels
+from app.formats.fields_file import fields_path, find_fields
 from app.formats.header import Header
 from app.formats.line_blocks import LineReader
 from app.formats.number_lines import parse_block, split_cells
 from app.formats.options import DEFAULTS, ReadOptions
 from app.formats.ptx_header import ScanHeader, read_scan_header
+from app.formats.ptx_write import write
+from app.formats.sidecar import apply_sidecar, find_sidecar
 from app.model.scan import Grid, Scan
+
+__all__ = ["NAME", "SUFFIXES", "matches", "preflight", "read", "write"]
 
 NAME = "PTX"
 SUFFIXES = (".ptx",)
@@ -64,7 +71,7 @@ def preflight(path: Path, options: ReadOptions = DEFAULTS) -> Header:
         points=cells,
         scans=scans,
         attributes=_ATTRIBUTES[attributes],
-        memory=cells * (8 * attributes + 8) * 2,
+        memory=cells * (8 * attributes + 8) * 2 + _size_beside(path),
         details={"cells": str(cells)},
         warnings=warnings,
     )
@@ -82,7 +89,28 @@ def read(path: Path, options: ReadOptions, progress: Progress) -> list[Scan]:
     with LineReader(path) as reader:
         for part in _walk(path, reader, options):
             scans.append(_read_scan(path, reader, part, options, progress))
-    return scans
+    return scans if len(scans) > 1 else [_restore(path, scans[0], options, progress)]
+
+
+def _size_beside(path: Path) -> int:
+    beside = fields_path(path)
+    return beside.stat().st_size if beside.is_file() else 0
+
+
+def _restore(path: Path, scan: Scan, options: ReadOptions, progress: Progress) -> Scan:
+    """The scan with what our writer put beside the file."""
+    sidecar, doubts = find_sidecar(path)
+    mark = None if sidecar is None else sidecar.fields
+    fields, more = find_fields(path, mark, len(scan), options.every_nth, progress)
+    scan = replace(scan, warnings=scan.warnings + doubts + more)
+    if sidecar is None:
+        return scan
+    if fields is not None:
+        scan = replace(scan, attributes=fields, channels=recognise_channels(fields))
+    else:  # the intensity is the first channel: that is what our writer takes
+        channels = tuple(replace(c, attribute="intensity") for c in sidecar.channels[:1])
+        sidecar = replace(sidecar, channels=channels)
+    return apply_sidecar(replace(scan, pose=sidecar.pose), sidecar)
 
 
 @dataclass(frozen=True, slots=True)

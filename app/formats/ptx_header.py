@@ -11,7 +11,7 @@ from app.core.arrays import Floats
 from app.core.errors import BadInput
 from app.formats.line_blocks import LineReader
 from app.formats.number_lines import split_cells, to_number
-from app.model.scan import Pose
+from app.model.scan import Grid, Pose
 
 FARTHEST = 10_000.0  # metres: no terrestrial scanner measures farther
 
@@ -34,6 +34,19 @@ class ScanHeader:
     axes: Floats
     origin: Floats
 
+    @classmethod
+    def of(cls, grid: Grid, pose: Pose | None) -> ScanHeader:
+        """The header of a scan; the file's system is the world's where no pose is known.
+
+        A pose whose axes are no right angles is taken as its position alone.
+        """
+        if pose is None:
+            return cls(grid.columns, grid.rows, np.eye(3), np.zeros(3))
+        axes = np.array(pose.rotation, dtype=np.float64).T
+        if not _is_orthogonal(axes):
+            axes = np.eye(3)
+        return cls(grid.columns, grid.rows, axes, np.array(pose.position, dtype=np.float64))
+
     @property
     def cells(self) -> int:
         """Lines that follow the header."""
@@ -53,6 +66,19 @@ class ScanHeader:
         with np.errstate(invalid="ignore", over="ignore"):  # infinite points stay so
             return xyz @ self.axes + self.origin
 
+    def to_file(self, xyz: Floats) -> Floats:
+        """File coordinates of (n, 3) world coordinates; needs axes at right angles."""
+        if np.array_equal(self.axes, np.eye(3)):
+            return xyz - self.origin
+        return (xyz - self.origin) @ np.linalg.inv(self.axes)  # axes of text are not exact
+
+    def format(self) -> str:
+        """The ten lines, every number with all its digits."""
+        matrix = np.column_stack((np.vstack((self.axes, self.origin)), (0, 0, 0, 1)))
+        lines = [[self.columns], [self.rows], self.origin.tolist(), *self.axes.tolist()]
+        lines += matrix.tolist()
+        return "".join(" ".join(map(repr, line)) + "\n" for line in lines)
+
     def pose(self, xyz: Floats) -> tuple[Pose | None, tuple[str, ...]]:
         """Pose of the scanner and doubts about it; None where it is a mere default."""
         sample = xyz[:: max(1, len(xyz) // 1000)]
@@ -64,11 +90,15 @@ class ScanHeader:
             if not self.origin.any():  # what converters write that know no position
                 return None, (*doubts, "Its position is taken as unknown.")
         lengths = np.linalg.norm(self.axes, axis=1)
-        if not np.allclose(self.axes @ self.axes.T, np.eye(3), atol=1e-3):
+        if not _is_orthogonal(self.axes):
             doubts += ("The file's matrix is no rotation: it scales or shears the points.",)
         axes = (self.axes / np.where(lengths > 0, lengths, 1.0)[:, None]).T.tolist()
         x, y, z = self.origin.tolist()
         return Pose((x, y, z), (tuple(axes[0]), tuple(axes[1]), tuple(axes[2]))), doubts
+
+
+def _is_orthogonal(axes: Floats) -> bool:
+    return np.allclose(axes @ axes.T, np.eye(3), atol=1e-3)
 
 
 def _middle_distance(xyz: Floats, origin: Floats) -> float:

@@ -2,7 +2,8 @@
 
 ``NAME.ext.leafscope.json`` holds pose, size of the grid, channels, units, types and
 provenance, and the size and hash of the file that it belongs to: after a change of
-that file it is ignored with a warning.
+that file it is ignored with a warning. It also vouches for the columns in
+``NAME.ext.fields.npz`` (`fields_file`), where the format has no place for them.
 """
 
 from __future__ import annotations
@@ -17,7 +18,6 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Ints
 from app.core.errors import BadInput
-from app.formats.atomic import atomic_path
 from app.formats.cloud import Cloud
 from app.model.scan import Channel, Grid, Pose, Scan
 
@@ -25,7 +25,14 @@ ENDING = ".leafscope.json"
 VERSION = 1
 LARGEST = 64 << 20
 MOST_CELLS = 1 << 27
-_TYPES = {np.dtype(item).str for item in "?bBhHiIqQefd"}
+_LONGEST_FACT = 1 << 16  # characters
+# Facts of a scan that are true of the file that it was read from, not of its points.
+_OF_THE_FILE = frozenset(
+    {"format", "software", "guid", "las_scale", "las_offset", "comments", "intensityMinimum",
+     "intensityMaximum", "beams without echo", "separator", "header_lines", "columns"}
+)  # fmt: skip
+_LONGEST_TO_INDENT = 1 << 18  # lonely beams without echo would take four times the space
+TYPES = frozenset(np.dtype(item).str for item in "?bBhHiIqQefd")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +42,15 @@ class GridSize:
     rows: int
     columns: int
     no_return: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class FieldsFile:
+    """The file of columns beside the data; `names` of columns go by their names in it."""
+
+    size: int
+    sha256: str
+    names: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +68,10 @@ class Sidecar:
     types : mapping of str to str
         numpy's name of the type that a text file cannot hold, e.g. ``<f4``.
     provenance : mapping of str to object
+    fields : FieldsFile or None
+        Where the columns are, when the data file cannot hold them.
+    metadata : mapping of str to str
+        Facts of the points: instrument, what the numbers of an attribute mean.
     """
 
     version: int
@@ -63,6 +83,8 @@ class Sidecar:
     units: Mapping[str, str] = field(default_factory=dict)
     types: Mapping[str, str] = field(default_factory=dict)
     provenance: Mapping[str, object] = field(default_factory=dict)
+    fields: FieldsFile | None = None
+    metadata: Mapping[str, str] = field(default_factory=dict)
 
 
 def sidecar_path(path: Path) -> Path:
@@ -70,18 +92,16 @@ def sidecar_path(path: Path) -> Path:
     return path.with_name(path.name + ENDING)
 
 
-def write_sidecar(path: Path, cloud: Cloud) -> Path:
-    """Write the sidecar of a data file that is complete; replaces an older one."""
-    target = sidecar_path(path)
-    content = describe_cloud(cloud, size=path.stat().st_size, sha256=_hash(path))
-    with atomic_path(target, overwrite=True) as temporary:
-        temporary.write_bytes(encode_json(content))
-    return target
+def write_sidecar(path: Path, data: Path, cloud: Cloud, fields: FieldsFile | None = None) -> None:
+    """Write to `path` the sidecar of the file `data`, which is complete."""
+    content = describe_cloud(cloud, size=data.stat().st_size, sha256=hash_file(data))
+    path.write_bytes(encode_json(replace(content, fields=fields)))
 
 
 def encode_json(content: object) -> bytes:
-    """JSON of plain values, dataclasses and numpy numbers, indented for readers."""
-    return msgspec.json.format(msgspec.json.encode(content, enc_hook=_encode_numpy))
+    """JSON of plain values, dataclasses and numpy numbers, indented for readers if it is short."""
+    text = msgspec.json.encode(content, enc_hook=_encode_numpy)
+    return text if len(text) > _LONGEST_TO_INDENT else msgspec.json.format(text)
 
 
 def describe_cloud(cloud: Cloud, size: int = 0, sha256: str = "") -> Sidecar:
@@ -97,6 +117,7 @@ def describe_cloud(cloud: Cloud, size: int = 0, sha256: str = "") -> Sidecar:
         units=cloud.units,
         types={name: values.dtype.str for name, values in cloud.columns.items()},
         provenance=cloud.provenance,
+        metadata=_keep_facts(scan.metadata),
     )
 
 
@@ -119,7 +140,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
         raise BadInput(f"{place.name} is damaged: {error}.") from error
     if sidecar.version != VERSION:
         raise BadInput(f"{place.name} has version {sidecar.version}, not {VERSION}.")
-    if sidecar.size != path.stat().st_size or sidecar.sha256 != _hash(path):
+    if sidecar.size != path.stat().st_size or sidecar.sha256 != hash_file(path):
         raise BadInput(f"{path.name} has changed since {place.name} was written.")
     return sidecar
 
@@ -141,16 +162,20 @@ def restore_sidecar(path: Path, scan: Scan) -> Scan:
 
 
 def apply_sidecar(scan: Scan, sidecar: Sidecar) -> Scan:
-    """The scan with pose, grid, channels, units and types of the sidecar.
+    """The scan with pose, grid, channels, units, types and facts of the sidecar.
 
     The columns ``row`` and ``column`` become the grid where the sidecar gives its size
-    and all of them lie inside it.
+    and all of them lie inside it. A grid that the file holds itself learns which of its
+    empty cells were beams without echo.
     """
     attributes = {
         name: _cast(values, sidecar.types.get(name)) for name, values in scan.attributes.items()
     }
     grid, warnings = scan.grid, scan.warnings
-    if sidecar.grid is not None and {"row", "column"} <= set(attributes):
+    if sidecar.grid is not None and grid is not None:
+        found, warning = _restore_grid(sidecar.grid, grid.row, grid.column)
+        grid, warnings = found or grid, warnings + warning
+    elif sidecar.grid is not None and {"row", "column"} <= set(attributes):
         grid, warning = _restore_grid(sidecar.grid, attributes["row"], attributes["column"])
         warnings += warning
         if grid is not None:
@@ -163,9 +188,23 @@ def apply_sidecar(scan: Scan, sidecar: Sidecar) -> Scan:
         pose=sidecar.pose or scan.pose,
         grid=grid,
         channels=channels or scan.channels,
-        metadata={**scan.metadata, **units},
+        metadata={**sidecar.metadata, **scan.metadata, **units},
         warnings=warnings,
     )
+
+
+def hash_file(path: Path) -> str:
+    """SHA-256 of a file, as hexadecimal text."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _keep_facts(metadata: Mapping[str, str]) -> dict[str, str]:
+    return {
+        key: value
+        for key, value in metadata.items()
+        if key not in _OF_THE_FILE and len(value) <= _LONGEST_FACT
+    }
 
 
 def _describe_grid(grid: Grid) -> GridSize:
@@ -207,18 +246,13 @@ def _expand_runs(size: GridSize) -> Ints | None:
 
 def _cast(values: AnyArray, type_name: str | None) -> AnyArray:
     """Values in the type they had, where no value changes by it (NaN stays as it is)."""
-    if type_name not in _TYPES:
+    if type_name not in TYPES or type_name == values.dtype.str:
         return values
     wanted = np.dtype(type_name)
     with np.errstate(invalid="ignore", over="ignore"):
         cast = values.astype(wanted)
         unchanged = wanted.kind == "f" or np.array_equal(cast.astype(values.dtype), values)
     return cast if unchanged else values
-
-
-def _hash(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _encode_numpy(value: object) -> object:

@@ -80,8 +80,8 @@ class Grid:
 class Source:
     """The file that a scan came from, enough to find it again and to know it.
 
-    `sidecar` is the hash of the sidecar beside it, which may hold pose and channels; empty
-    where there was none, None where nobody looked.
+    `sidecar` is the hash of the sidecar beside it, which may hold pose and channels (and of
+    the file of columns that it names); empty where there was none, None where nobody looked.
     """
 
     path: str

@@ -24,6 +24,7 @@ WRITERS = {
     ".laz": ("las", True),
     ".las": ("las", True),
     ".e57": ("e57", False),
+    ".ptx": ("ptx", True),
     ".ply": ("ply", True),
     ".csv": ("csv_table", True),
     ".npz": ("npz", False),

@@ -17,6 +17,7 @@ from app.core.errors import BadInput
 from app.core.progress import QUIET, Progress
 from app.formats._registry import FORMATS, find_format
 from app.formats.channels import name_constants
+from app.formats.fields_file import fields_path
 from app.formats.handover import load_scans
 from app.formats.header import Header
 from app.formats.isolation import Limits, run_reader
@@ -74,9 +75,7 @@ def read_file(
     after = path.stat()
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
         raise BadInput(f"{path.name} changed while it was read.", "Open it again.")
-    sidecar = sidecar_path(path)
-    beside = hash_file(sidecar) if sidecar.is_file() else ""
-    source = Source(str(path), before.st_size, digest, 0, options.changed(), beside)
+    source = Source(str(path), before.st_size, digest, 0, options.changed(), _hash_beside(path))
     return [
         replace(
             _to_metres(scan, options.metres_per_unit),
@@ -112,6 +111,12 @@ def hash_file(path: Path, progress: Progress = QUIET) -> str:
             digest.update(block)
             progress.report(file.tell() / max(size, 1), "Computing the checksum")
     return digest.hexdigest()
+
+
+def _hash_beside(path: Path) -> str:
+    """Hashes of what lies beside a file, one after the other."""
+    places = (sidecar_path(path), fields_path(path))
+    return "".join(hash_file(place) for place in places if place.is_file())
 
 
 def _check_place(path: Path) -> None:

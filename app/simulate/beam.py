@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.core.arrays import Floats
+from app.core.arrays import Floats, Ints
 from app.core.errors import WrongUse
 from app.core.units import to_radians
 
@@ -44,6 +44,12 @@ class BeamGrid:
         up, side = self.elevation[:, None], self.azimuth[None, :]
         flat = np.cos(up)
         return np.stack([flat * np.cos(side), flat * np.sin(side), np.sin(up) + 0 * side], axis=-1)
+
+    def directions_of(self, cell: Ints) -> Floats:
+        """Unit vectors of the beams of some cells (row · columns + column), (n, 3)."""
+        up, side = self.elevation[cell // self.columns], self.azimuth[cell % self.columns]
+        flat = np.cos(up)
+        return np.stack([flat * np.cos(side), flat * np.sin(side), np.sin(up)], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ import numpy as np
 from app.core.arrays import AnyArray, Floats
 from app.model.scan import Channel, Pose, Scan
 from app.simulate.beam import BeamGrid, grid_of_field
-from app.simulate.scanner import place_in_grid
+from app.simulate.simulation import place_in_grid
 
 FIELD = 25.0
 """Degrees, both ways."""

@@ -1,191 +1,222 @@
-"""The virtual scanner: a scene and a grid of beams in, a scan that knows its truth out."""
+"""The virtual scanner: a scene and a grid of beams in, echoes that know their truth out."""
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Floats, read_only
-from app.core.units import to_degrees
-from app.model.scan import Channel, Grid, Pose, Scan, Vector
-from app.simulate.beam import BeamGrid, Bundle
-from app.simulate.detector import Receiver, add_intensity_noise, add_range_noise
-from app.simulate.ranging import WAVELENGTHS, count_octaves
+from app.core.arrays import AnyArray, Floats, Ints
+from app.core.chunks import run_in_pieces
+from app.core.errors import WrongUse
+from app.core.progress import QUIET, Progress
+from app.model.scan import Vector
+from app.simulate.beam import BeamGrid
+from app.simulate.bounds import enclose, plant_tree, widen
+from app.simulate.instrument import Instrument
+from app.simulate.ranging import Pulsed, Waveform
 from app.simulate.surfaces import Scene
-from app.simulate.tables import tabulate_scene, tabulate_tiles
+from app.simulate.tables import tabulate_beam, tabulate_optics, tabulate_surfaces
 
 if TYPE_CHECKING:
-    from app.core.kernels.simulate import BeamTable
+    from app.core.kernels.beams import ReturnTable
 
-GHOST = 0.006
-"""A range farther than this, metres, from all that the beam touched is a ghost."""
-UNSURE = 0.002
-BAND = 16
-"""Rows that one thread takes at a time."""
+BAND = 8
+"""Rows that one thread takes at a time: a cancel waits for no more than these."""
 
 
-@dataclass(frozen=True, slots=True)
-class Instrument:
-    """A phase-shift scanner.
+@dataclass(frozen=True, slots=True, eq=False)
+class Waveforms:
+    """Digitised returns of the beams that came back.
 
     Attributes
     ----------
-    bundle : Bundle
-    receiver : Receiver
-    modulation : tuple of float
-        Modulation wavelengths, coarse to fine, metres.
-    ranging_channel : int
-        Channel of the scene whose laser measures the range.
+    samples : (w, channels, samples) float32
+        In units of the reflectance of a full hit.
+    start : (w,) range of the first sample, metres
+    step : float
+        Metres of range between samples.
+    of_return : (n,) row of each return's beam
     """
 
-    bundle: Bundle = field(default_factory=Bundle)
-    receiver: Receiver = field(default_factory=Receiver)
-    modulation: tuple[float, ...] = WAVELENGTHS
-    ranging_channel: int = 1
+    samples: AnyArray
+    start: Floats
+    step: float
+    of_return: Ints
+
+    def take(self, rows: Ints) -> Waveforms:
+        """The waveforms of some of the returns."""
+        used, of_return = np.unique(self.of_return[rows], return_inverse=True)
+        return Waveforms(self.samples[used], self.start[used], self.step, of_return)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Echoes:
-    """Noise-free outcome of each beam, row by row; NaN or −1 where nothing came back.
+    """Noise-free outcome of every beam that brought something back, row by row.
 
     Attributes
     ----------
+    cell : (n,) row · columns + column
     distance : (n,) range that the scanner reports, metres
     off_surface : (n,) from there to the nearest surface touched, metres
-    shift : (n,) reported range minus that of the surface with most energy, metres
-    share : (n,) share of the beam's energy on that surface
+    shift : (n,) reported range minus that of the surface with the largest share, metres
     incidence : (n,) angle there, at the sub-ray nearest to the beam's centre, radians
-    energy : (n, channels) reflectance × share, corrected by the reported range
-    surface : (n,) index of the surface with most energy
+    normal : (n, 3) unit normal of the facet there, facing the scanner
+    energy : (n, channels) reflectance × share, for the reported range
+    surface, share : (n, 3) surfaces and their shares of the beam, largest first; −1 and 0
+    touched : (n,) how many surfaces the return is made of
+    waveforms : Waveforms or None
     """
 
+    cell: Ints
     distance: Floats
     off_surface: Floats
     shift: Floats
-    share: Floats
     incidence: Floats
+    normal: Floats
     energy: Floats
     surface: AnyArray
+    share: Floats
+    touched: AnyArray
+    waveforms: Waveforms | None = None
+
+    def __len__(self) -> int:
+        return len(self.cell)
+
+    def take(self, rows: Ints) -> Echoes:
+        """Some of the returns, and the waveforms of their beams."""
+        names = [f.name for f in fields(self) if f.name != "waveforms"]
+        kept = {name: getattr(self, name)[rows] for name in names}
+        return Echoes(**kept, waveforms=self.waveforms and self.waveforms.take(rows))
 
 
-def trace_beams(scene: Scene, grid: BeamGrid, instrument: Instrument, origin: Vector) -> Echoes:
-    """Send every beam of a grid into a scene.
-
-    The energy of a sub-ray falls off with the square of its distance and follows the
-    Lambert–Beckmann reflectance of what it hits; the range comes from `ranging.phase_range`.
-    """
-    from app.core.kernels.simulate import trace
-
-    table = tabulate_scene(scene)
-    beam = _tabulate_beam(instrument)
-    place = np.array(origin, np.float64)
-    tiles = tabulate_tiles(grid, instrument.bundle, table.sphere, place)
-    elevation, azimuth = grid.elevation, grid.azimuth
-    cells = grid.rows * grid.columns
-    truth = np.full((cells, 5), np.nan)
-    energy = np.zeros((cells, len(scene.wavelengths_nm)))
-    surface = np.full(cells, -1, np.int32)
-
-    def trace_band(first: int) -> None:
-        band = (first, min(first + BAND, grid.rows))
-        trace(table, beam, tiles, place, elevation, azimuth, band, truth, energy, surface)
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(trace_band, range(0, grid.rows, BAND)))
-    distance, off, shift, share, incidence = truth.T
-    return Echoes(distance, off, shift, share, incidence, energy, surface)
-
-
-def scan_scene(
+def trace_beams(
     scene: Scene,
     grid: BeamGrid,
     instrument: Instrument,
-    origin: Vector = (0.0, 0.0, 0.0),
+    origin: Vector,
     seed: int = 0,
-) -> Scan:
-    """Scan a scene; the same seed gives the same scan, bit for bit.
+    progress: Progress = QUIET,
+    keep_waveforms: bool = False,
+    hierarchy: bool = True,
+) -> Echoes:
+    """Send every beam of a grid into a scene.
 
-    Returns
-    -------
-    Scan
-        Channels ``reflectance_<nm>``, the grid with its no-return cells, and per point
+    The energy of a sub-ray falls off with the square of its distance and follows the phase
+    function of what it hits; the instrument's ranging makes returns of them.
 
-        - ``truth_leaf`` int32, −1 on stems and walls;
-        - ``truth_incidence`` degrees, on the surface with most of the beam's energy;
-        - ``truth_hit_fraction``, the share of the beam on that surface;
-        - ``truth_range`` without noise, metres;
-        - ``truth_distance`` from there to the nearest surface that the beam touched, metres;
-        - ``truth_range_shift``, truth_range minus the range of the surface with most energy;
-        - ``truth_ghost`` 1: truth_distance > 6 mm; 2: unsure, 2 to 6 mm; 0: on a surface.
+    Parameters
+    ----------
+    seed : int
+        Of the noise in waveforms; nothing else here is random.
+    keep_waveforms : bool
+        Give the waveforms too, where the instrument digitises; they are large.
+    hierarchy : bool
+        False: look at every surface for every beam, to compare with.
+
+    Raises
+    ------
+    WrongUse
+        The scene's wavelengths are not the instrument's.
+    Cancelled
     """
-    echoes = trace_beams(scene, grid, instrument, origin)
-    hit = np.flatnonzero(echoes.surface >= 0)
+    from app.core.kernels.beams import trace
+
+    if scene.wavelengths_nm != instrument.wavelengths_nm:
+        raise WrongUse(
+            f"The scene {scene.name} is made for {scene.wavelengths_nm} nm, "
+            f"{instrument.title} measures {instrument.wavelengths_nm} nm."
+        )
+    place = np.array(origin, np.float64)
+    corners = widen(enclose(scene), instrument.bundle, place)
+    tables = (
+        tabulate_surfaces(scene),
+        plant_tree(*corners, split=hierarchy),
+        tabulate_optics(scene),
+        tabulate_beam(instrument),
+        place,
+        grid.elevation,
+        grid.azimuth,
+    )
+    found: dict[int, ReturnTable] = {}
+
+    def trace_band(first: int, end: int) -> None:
+        noise = _draw_waveform_noise(instrument, (end - first) * grid.columns, (seed, first))
+        room = _make_room((end - first) * grid.columns, instrument, keep_waveforms)
+        count, waves = trace(*tables, (first, end), noise, room)
+        found[first] = _cut(room, count, waves)
+
+    borders = np.append(np.arange(0, grid.rows, BAND), grid.rows)
+    run_in_pieces(trace_band, borders, progress, f"Scanning {scene.name}")
+    return _join([found[first] for first in sorted(found)], instrument)
+
+
+def _waveform(instrument: Instrument) -> Waveform | None:
+    ranging = instrument.ranging
+    return ranging.waveform if isinstance(ranging, Pulsed) else None
+
+
+def _draw_waveform_noise(instrument: Instrument, beams: int, seed: tuple[int, int]) -> AnyArray:
+    """Unit noise for each sample of a band, float32; no rows where nothing is digitised."""
+    wave, channels = _waveform(instrument), len(instrument.wavelengths_nm)
+    if wave is None:
+        return np.empty((0, channels, 0), np.float32)
     random = np.random.default_rng(seed)
-    receiver = instrument.receiver
-    ranging = echoes.energy[hit, instrument.ranging_channel]
-    distance = add_range_noise(echoes.distance[hit], ranging, receiver, random)
-    values = add_intensity_noise(echoes.energy[hit], receiver, random)
-    xyz = np.array(origin) + distance[:, None] * grid.directions.reshape(-1, 3)[hit]
-    channels = tuple(_name_channel(nm, receiver) for nm in scene.wavelengths_nm)
-    attributes = {c.attribute: values[:, k].astype(np.float32) for k, c in enumerate(channels)}
-    attributes |= _tell_truth(scene, echoes, hit)
-    return Scan(
-        name=scene.name,
-        xyz=read_only(xyz),
-        attributes={key: read_only(column) for key, column in attributes.items()},
-        channels=channels,
-        pose=Pose((float(origin[0]), float(origin[1]), float(origin[2]))),
-        grid=place_in_grid(grid, hit),
-        metadata={"instrument": "simulated phase-shift scanner", "seed": str(seed)},
+    return random.standard_normal((beams, channels, wave.samples), np.float32)
+
+
+def _make_room(beams: int, instrument: Instrument, keep_waveforms: bool) -> ReturnTable:
+    from app.core.kernels.beams import ReturnTable
+    from app.core.kernels.echoes import COMPONENTS
+
+    ranging, channels = instrument.ranging, len(instrument.wavelengths_nm)
+    most = ranging.most if isinstance(ranging, Pulsed) and ranging.pick == "all" else 1
+    wave, rows = _waveform(instrument) if keep_waveforms else None, beams * most
+    return ReturnTable(
+        np.empty(rows, np.int64),
+        np.empty((rows, 5)),
+        np.empty((rows, 3)),
+        np.empty((rows, channels)),
+        np.full((rows, COMPONENTS), -1, np.int32),
+        np.zeros((rows, COMPONENTS)),
+        np.empty(rows, np.int32),
+        np.empty((beams if wave else 0, channels, wave.samples if wave else 0), np.float32),
+        np.empty(beams if wave else 0),
+        np.zeros(rows, np.int64),
     )
 
 
-def place_in_grid(grid: BeamGrid, hit: AnyArray) -> Grid:
-    """Cells of the returns `hit` (row · columns + column); the rest had no return."""
-    silent = np.ones(grid.rows * grid.columns, bool)
-    silent[hit] = False
-    return Grid(
-        grid.rows,
-        grid.columns,
-        read_only((hit // grid.columns).astype(np.int32)),
-        read_only((hit % grid.columns).astype(np.int32)),
-        read_only(np.flatnonzero(silent)),
+def _cut(room: ReturnTable, count: int, waves: int) -> ReturnTable:
+    """The rows that were filled, so that a band holds no more memory than its returns."""
+    of_returns = ("cell", "range", "normal", "energy", "surface", "share", "touched")
+    kept = {name: getattr(room, name)[:count].copy() for name in (*of_returns, "wave_of")}
+    kept |= {name: getattr(room, name)[:waves].copy() for name in ("wave", "wave_start")}
+    return room._replace(**kept)
+
+
+def _join(bands: list[ReturnTable], instrument: Instrument) -> Echoes:
+    def column(name: str) -> AnyArray:
+        return np.concatenate([getattr(band, name) for band in bands])
+
+    distance, off, shift, _, incidence = column("range").T
+    wave, waveforms = _waveform(instrument), None
+    if wave is not None and bands[0].wave.shape[2]:
+        before = np.cumsum([0, *(len(band.wave) for band in bands[:-1])])
+        of_return = [b.wave_of + start for b, start in zip(bands, before, strict=True)]
+        waveforms = Waveforms(
+            column("wave"), column("wave_start"), wave.step, np.concatenate(of_return)
+        )
+    return Echoes(
+        column("cell"),
+        distance,
+        off,
+        shift,
+        incidence,
+        column("normal"),
+        column("energy"),
+        column("surface"),
+        column("share"),
+        column("touched"),
+        waveforms,
     )
-
-
-def _tabulate_beam(instrument: Instrument) -> BeamTable:
-    from app.core.kernels.simulate import BeamTable
-
-    return BeamTable(
-        instrument.bundle.subrays(),
-        instrument.bundle.exit_diameter / 2,
-        float(np.tan(instrument.bundle.half_divergence)),
-        np.array(instrument.modulation, float),
-        count_octaves(instrument.modulation),
-        instrument.ranging_channel,
-        instrument.receiver.threshold,
-    )
-
-
-def _name_channel(nm: float, receiver: Receiver) -> Channel:
-    name = f"reflectance_{nm:.0f}"
-    note = f"simulated, noise {receiver.intensity_noise:.1%} of the value"
-    return Channel(name, name, nm, "reflectance", note)
-
-
-def _tell_truth(scene: Scene, echoes: Echoes, hit: AnyArray) -> dict[str, AnyArray]:
-    off = echoes.off_surface[hit]
-    ghost = np.where(off > GHOST, 1, np.where(off > UNSURE, 2, 0))
-    return {
-        "truth_leaf": scene.labels()[echoes.surface[hit]],
-        "truth_incidence": to_degrees(echoes.incidence[hit]).astype(np.float32),
-        "truth_ghost": ghost.astype(np.uint8),
-        "truth_hit_fraction": echoes.share[hit].astype(np.float32),
-        "truth_range": echoes.distance[hit],
-        "truth_distance": off.astype(np.float32),
-        "truth_range_shift": echoes.shift[hit].astype(np.float32),
-    }

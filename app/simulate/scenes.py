@@ -16,22 +16,22 @@ from app.simulate.branch import (
     SCANNER,
     TILTS,
     build_branch,
-    shape_leaf,
-    tilted_normal,
     tilted_row,
-    vector,
     water_leaf,
 )
-from app.simulate.detector import Material, Receiver
+from app.simulate.instrument import Instrument, get_instrument
 from app.simulate.large import large_scan
-from app.simulate.scanner import Instrument, scan_scene
+from app.simulate.leaf_shapes import IN_TURN, shape_leaf, tilted_normal, vector
+from app.simulate.material import Material
+from app.simulate.receiver import Receiver
+from app.simulate.simulation import scan_scene
 from app.simulate.surfaces import Leaf, Scene, Wall
 
 __all__ = ["demo_scan", "large_scan", "leaf_row_scan", "leaves_scan", "plane_scan"]
 
 STEP_DEG = 0.018
-LS880_LIKE = Instrument(receiver=Receiver(range_noise=0.0007, intensity_noise=0.03))
-"""Beam of a FARO LS880 (3 mm at exit, 0.014° half divergence) with its filtered range noise."""
+NOISY = Receiver(range_noise=0.0007, intensity_noise=0.03)
+"""With the filtered range noise of a FARO LS880."""
 
 
 def demo_scan(seed: int = 1, step_deg: float | None = None) -> Scan:
@@ -48,7 +48,7 @@ def demo_scan(seed: int = 1, step_deg: float | None = None) -> Scan:
     """
     step = STEP_DEG if step_deg is None else step_deg
     grid = grid_of_field(step, (-6.9, 7.7), (-5.1, 5.0))
-    scan = scan_scene(build_branch(seed), grid, LS880_LIKE, SCANNER, seed)
+    scan = scan_scene(build_branch(seed), grid, _two_colour(NOISY), SCANNER, seed)
     row = ", ".join(f"{tilt:.0f}" for tilt in TILTS)
     return replace(scan, metadata=dict(scan.metadata) | {"tilts of leaves 0 to 5, degrees": row})
 
@@ -85,7 +85,7 @@ def plane_scan(
     receiver = Receiver(noise_m, 0.0, intensity_noise)
     scene = Scene(f"plane at {incidence_deg:g}°", walls=(wall,))
     grid = _fit_grid(np.array(corners), step_deg)
-    return scan_scene(scene, grid, Instrument(receiver=receiver), seed=seed)
+    return scan_scene(scene, grid, _two_colour(receiver), seed=seed)
 
 
 def leaf_row_scan(
@@ -101,13 +101,13 @@ def leaf_row_scan(
     half = 0.08 * len(tilts_deg) / 2
     corners = centre + np.array([(0, a * half, b * 0.06) for a in (-1, 1) for b in (-1, 1)])
     wall = Wall((distance + 2, 0.0, SCANNER[2]), (0.0, 3.0, 0.0), (0.0, 0.0, 3.0), MATT)
-    instrument = Instrument(receiver=Receiver(noise_m, intensity_noise=0.03 if noise_m else 0.0))
+    instrument = _two_colour(Receiver(noise_m, intensity_noise=0.03 if noise_m else 0.0))
     grid = _fit_grid(corners - SCANNER, step_deg)
     return scan_scene(Scene("leaf row", leaves, (), (wall,)), grid, instrument, SCANNER, seed)
 
 
 def leaves_scan(
-    seed: int, leaves: int = 12, step_deg: float = 0.03, instrument: Instrument = LS880_LIKE
+    seed: int, leaves: int = 12, step_deg: float = 0.03, instrument: Instrument | None = None
 ) -> Scan:
     """Random leaves, flat, bent and wrinkled in turn, at 1.8–4.2 m before a wall at 5.5 m."""
     random = np.random.default_rng(seed)
@@ -115,7 +115,11 @@ def leaves_scan(
     wall = Wall((5.5, 0.0, SCANNER[2]), (0.0, 3.0, 0.0), (0.0, 0.0, 3.0), MATT)
     scene = Scene(f"{leaves} leaves", made, (), (wall,))
     grid = grid_of_field(step_deg, (-4.0, 4.0), (-3.0, 3.0))
-    return scan_scene(scene, grid, instrument, SCANNER, seed)
+    return scan_scene(scene, grid, instrument or _two_colour(NOISY), SCANNER, seed)
+
+
+def _two_colour(receiver: Receiver) -> Instrument:
+    return replace(get_instrument("two_colour"), receiver=receiver)
 
 
 def _scatter_leaf(index: int, random: np.random.Generator) -> Leaf:
@@ -125,8 +129,9 @@ def _scatter_leaf(index: int, random: np.random.Generator) -> Leaf:
     normal: Vector = tilted_normal(centre, np.array(SCANNER), random.uniform(-1.2, 1.2))
     along = vector(random.normal(size=3))
     length, width = random.uniform(0.06, 0.09), random.uniform(0.04, 0.06)
-    leaf = Leaf(vector(centre), along, normal, length, width, water_leaf(random), 0.3)
-    return shape_leaf(leaf, index % 3, random)
+    material, water = water_leaf(random)
+    leaf = Leaf(vector(centre), along, normal, length, width, material, 0.3, water=water)
+    return shape_leaf(leaf, IN_TURN[index % 3], random)
 
 
 def _fit_grid(corners: Floats, step_deg: float, rim: int = 3) -> BeamGrid:

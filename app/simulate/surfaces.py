@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.core.arrays import Floats
+from app.core.arrays import AnyArray, Floats
 from app.core.errors import WrongUse
 from app.model.scan import Vector
-from app.simulate.detector import Material
+from app.simulate.material import Material
 
 SLAB_MARGIN = 1e-4
 """Metres: keeps a crossing at the very top of a leaf inside its slab."""
@@ -37,6 +37,15 @@ class Leaf:
         Metres, half of crest to valley.
     wrinkle_lengths, wrinkle_phases : pair of float
         Metres and radians of the waves along and across.
+    lobes, lobe_depth : int, float
+        The outline shrinks towards the centre by the share `lobe_depth` between lobes, by
+        f(θ) = 1 − depth · (1 − cos(lobes · θ)) / 2 with θ = atan2(2y / width, 2x / length): a
+        place (x, y) is inside when (x / f, y / f) is inside the egg. 0 lobes: none.
+    sway, sway_rate, sway_phase : Vector, float, float
+        Wind: at column c of the scan the leaf is displaced by sway · sin(rate · c + phase);
+        metres and radians.
+    water : float
+        Its water as a share of a fresh leaf's; a fact for the truth table.
     """
 
     centre: Vector
@@ -51,6 +60,12 @@ class Leaf:
     wrinkle_height: float = 0.0
     wrinkle_lengths: tuple[float, float] = (0.03, 0.03)
     wrinkle_phases: tuple[float, float] = (0.0, 0.0)
+    lobes: int = 0
+    lobe_depth: float = 0.0
+    sway: Vector = (0.0, 0.0, 0.0)
+    sway_rate: float = 0.0
+    sway_phase: float = 0.0
+    water: float = 1.0
 
     def __post_init__(self) -> None:
         if abs(self.curvature) * self.radius() > 0.95:
@@ -76,6 +91,12 @@ class Leaf:
         """Radius of a sphere about the centre that holds the leaf."""
         return float(np.hypot(self.radius(), max(map(abs, self.slab()))))
 
+    def steepest(self) -> float:
+        """Upper bound of the slope of its height over the plane."""
+        edge = abs(self.curvature) * self.radius()
+        wave = 2 * np.pi * abs(self.wrinkle_height) / min(self.wrinkle_lengths)
+        return float(edge / np.sqrt(1 - edge**2) + wave)
+
     def slab(self) -> tuple[float, float]:
         """Lowest and highest height over the plane, with a margin."""
         edge = self.curvature * self.radius()
@@ -86,19 +107,21 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True)
 class Stem:
-    """A cylinder with round ends; metres."""
+    """A cylinder with round ends; metres. `label` is its `truth_leaf`: a needle is a leaf."""
 
     start: Vector
     end: Vector
     radius: float
     material: Material
+    label: int = -1
 
 
 @dataclass(frozen=True, slots=True)
 class Wall:
     """A plane rectangle, given by two half edges that are square to each other; metres.
 
-    `label` is its `truth_leaf`: −1, unless it stands in for a leaf.
+    `label` is its `truth_leaf`: −1, unless it stands in for a leaf. `name` says what it is:
+    wall, ground, panel 50 % …
     """
 
     centre: Vector
@@ -106,11 +129,16 @@ class Wall:
     up: Vector
     material: Material
     label: int = -1
+    name: str = "wall"
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Surfaces in world metres, and the wavelengths that their materials speak of."""
+    """Surfaces in world metres, and the wavelengths that their materials speak of.
+
+    A surface's index runs over leaves, then stems, then walls; `truth_leaf` of a leaf is its
+    place in `leaves`, of a stem or wall its `label`, −1 or a number beyond the leaves'.
+    """
 
     name: str
     leaves: tuple[Leaf, ...] = ()
@@ -118,22 +146,11 @@ class Scene:
     walls: tuple[Wall, ...] = ()
     wavelengths_nm: tuple[float, ...] = (1063.0, 1545.0)
 
-    def labels(self) -> Floats:
-        """`truth_leaf` of each surface: leaves, stems, walls."""
-        ids = [*range(len(self.leaves)), *[-1] * len(self.stems), *(w.label for w in self.walls)]
-        return np.array(ids, dtype=np.int32)
+    def labels(self) -> AnyArray:
+        """`truth_leaf` of each surface, (surfaces,) int32."""
+        others = [*(s.label for s in self.stems), *(w.label for w in self.walls)]
+        return np.array([*range(len(self.leaves)), *others], dtype=np.int32)
 
-    def optics(self) -> Floats:
-        """rho, k_d and m of each surface and channel, (surfaces, channels, 3)."""
-        materials = [s.material for group in (self.leaves, self.stems, self.walls) for s in group]
-        table = [[(g.rho, g.k_d, g.m) for g in material] for material in materials]
-        return np.array(table, float).reshape(len(materials), len(self.wavelengths_nm), 3)
-
-    def spheres(self) -> Floats:
-        """Centre and radius of a sphere around each leaf and stem, (n, 4)."""
-        around = [(*s.centre, s.reach()) for s in self.leaves]
-        for stem in self.stems:
-            start, end = np.array(stem.start), np.array(stem.end)
-            reach = float(np.linalg.norm(end - start)) / 2 + stem.radius
-            around.append((*((start + end) / 2), reach))
-        return np.array(around, float).reshape(-1, 4)
+    def materials(self) -> tuple[Material, ...]:
+        """Material of each surface."""
+        return tuple(s.material for group in (self.leaves, self.stems, self.walls) for s in group)

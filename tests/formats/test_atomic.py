@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.core.errors import BadInput, Cancelled
-from app.formats.atomic import atomic_path
+from app.formats.atomic import atomic_files, atomic_path
 
 
 def test_new_file_appears_after_the_block(tmp_path: Path) -> None:
@@ -75,3 +75,66 @@ def test_missing_folder_is_said(tmp_path: Path) -> None:
 def test_folder_as_target_is_said(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="is a folder"), atomic_path(tmp_path, overwrite=True):
         pytest.fail("the block must not run")
+
+
+NAMES = ("a.ptx", "a.ptx.fields.npz", "a.ptx.json")
+
+
+def write_together(folder: Path, text: str) -> None:
+    with atomic_files() as begin:
+        for name in NAMES:
+            begin(folder / name, True).write_text(text)
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def test_files_that_belong_together(tmp_path: Path) -> None:
+    for text in ("old", "new"):
+        write_together(tmp_path, text)
+        assert contents(tmp_path) == dict.fromkeys(NAMES, text)
+
+
+def write_without_permission(folder: Path) -> None:
+    with atomic_files() as begin:
+        for name in NAMES:
+            begin(folder / name, False).write_text("new")
+
+
+def test_the_second_of_several_files_needs_permission_too(tmp_path: Path) -> None:
+    (tmp_path / NAMES[1]).write_text("old")
+    with pytest.raises(BadInput, match=r"fields\.npz exists already"):
+        write_without_permission(tmp_path)
+    assert contents(tmp_path) == {NAMES[1]: "old"}
+
+
+@pytest.mark.parametrize("old", [(), NAMES[:1], NAMES[1:], NAMES])
+@pytest.mark.parametrize("links", [True, False])
+@pytest.mark.parametrize("failing", [0, 1, 2])
+def test_one_that_cannot_be_renamed_takes_the_others_back(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    old: tuple[str, ...],
+    links: bool,
+    failing: int,
+) -> None:
+    replace = os.replace
+
+    def fail(source: Path, target: Path) -> None:
+        if target.name == NAMES[failing] and ".tmp-" in source.name:
+            raise OSError(13, "Permission denied")
+        replace(source, target)
+
+    def refuse(*_: object) -> None:
+        raise OSError(1, "Operation not permitted")
+
+    for name in old:
+        (tmp_path / name).write_text(f"old {name}")
+    before = contents(tmp_path)
+    monkeypatch.setattr(os, "replace", fail)
+    if not links:
+        monkeypatch.setattr(os, "link", refuse)
+    with pytest.raises(BadInput, match=r"a\.ptx could not be written: Permission denied"):
+        write_together(tmp_path, "new")
+    assert contents(tmp_path) == before

@@ -12,16 +12,18 @@ import pytest
 
 from app.core.errors import BadInput, Cancelled
 from app.core.progress import LiveProgress
-from app.formats import csv_table, npz, ply
+from app.formats import csv_table, npz, ply, ptx
 from app.formats.cloud import Cloud
 from app.formats.saving import Writer, save
-from app.model.scan import Scan
+from app.model.scan import Grid, Scan
 
-WRITERS = [ply.write, csv_table.write, npz.write]
+WRITERS = [ply.write, csv_table.write, npz.write, ptx.write]
 
 
 def make_cloud() -> Cloud:
-    return Cloud(Scan("s", np.ones((5000, 3)), {"intensity": np.arange(5000.0)}))
+    row, column = np.divmod(np.arange(5000, dtype=np.int32), 50)
+    grid = Grid(100, 50, row, column)
+    return Cloud(Scan("s", np.ones((5000, 3)), {"intensity": np.arange(5000.0)}, grid=grid))
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +140,32 @@ def test_noise(tmp_path_factory: pytest.TempPathFactory, noise: bytes) -> None:
     path.write_text("x,y,z\n1,2,3\n")
     sidecar_path(path).write_bytes(noise)
     assert find_sidecar(path)[0] is None
+
+
+def test_many_lonely_beams_without_echo_stay_small(tmp_path: Path) -> None:
+    cells = np.zeros(1, np.int32)
+    lonely = np.arange(1, 400_000, 2)
+    scan = Scan("s", np.zeros((1, 3)), grid=Grid(1000, 400, cells, cells, lonely))
+    save(tmp_path / "a.csv", Cloud(scan), csv_table.write)
+    assert sidecar_path(tmp_path / "a.csv").stat().st_size < 12 * len(lonely)
+    (back,) = text.read(tmp_path / "a.csv", ReadOptions(), QUIET)
+    assert back.grid is not None
+    np.testing.assert_array_equal(back.grid.no_return, lonely)
+
+
+def test_facts_of_the_points_stay_and_those_of_the_old_file_go(tmp_path: Path) -> None:
+    facts = {"instrument": "X", "format": "E57 1.0", "las_scale": "1 1 1", "long": "x" * 100_000}
+    cloud = make_cloud()
+    save(
+        tmp_path / "a.csv",
+        replace(cloud, scan=replace(cloud.scan, metadata=facts)),
+        csv_table.write,
+    )
+    (back,) = text.read(tmp_path / "a.csv", ReadOptions(), QUIET)
+    assert back.metadata["instrument"] == "X"
+    assert "las_scale" not in back.metadata
+    assert "long" not in back.metadata
+    assert back.metadata["format"] == text.NAME
 
 
 def change_sidecar(path: Path, key: str, value: object) -> None:

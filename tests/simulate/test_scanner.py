@@ -8,19 +8,29 @@ import pytest
 from app.core.errors import WrongUse
 from app.simulate.beam import Bundle, grid_of_field
 from app.simulate.branch import LEAF, MATT
-from app.simulate.detector import Gloss, Receiver
+from app.simulate.instrument import get_instrument
+from app.simulate.material import matt
 from app.simulate.ranging import phase_range
-from app.simulate.scanner import Instrument, scan_scene, trace_beams
+from app.simulate.receiver import Receiver
+from app.simulate.scanner import trace_beams
 from app.simulate.scenes import leaves_scan, plane_scan
+from app.simulate.simulation import scan_scene
 from app.simulate.surfaces import Leaf, Scene, Stem, Wall
 
-THIN = Instrument(Bundle(0.0, 0.0, rings=0))
-BLACK = (Gloss(0.0), Gloss(0.0))
+SILENT = replace(get_instrument("two_colour"), receiver=Receiver())
+THIN = replace(SILENT, bundle=Bundle(0.0, 0.0, rings=0))
+BLACK = (matt(0.0), matt(0.0))
+HERE = (0.0, 0.0, 0.0)
 
 
-def beckmann(omega, gloss):
-    specular = np.exp(-(np.tan(omega) ** 2) / gloss.m**2) / np.cos(omega) ** 5
-    return gloss.rho * (gloss.k_d * np.cos(omega) + (1 - gloss.k_d) * specular)
+def with_bundle(bundle):
+    return replace(SILENT, bundle=bundle)
+
+
+def beckmann(omega, sheen):
+    k_d, m = (dict(sheen.parameters)[name] for name in ("k_d", "m"))
+    specular = np.exp(-(np.tan(omega) ** 2) / m**2) / np.cos(omega) ** 5
+    return sheen.rho * (k_d * np.cos(omega) + (1 - k_d) * specular)
 
 
 @pytest.mark.parametrize("degrees", [0, 10, 30, 45, 60, 70, 80])
@@ -36,9 +46,9 @@ def test_plane_at_every_angle(degrees):
     np.testing.assert_allclose(scan.attributes["truth_range"][full], exact[full], atol=1e-4)
     found = scan.attributes["truth_incidence"][full]
     np.testing.assert_allclose(found, np.rad2deg(incidence[full]), atol=1e-4)
-    for name, gloss in zip(("reflectance_1063", "reflectance_1545"), LEAF, strict=True):
+    for name, sheen in zip(("reflectance_1063", "reflectance_1545"), LEAF, strict=True):
         values = scan.channel_values(name)[full]
-        np.testing.assert_allclose(values, beckmann(incidence[full], gloss), rtol=0.01)
+        np.testing.assert_allclose(values, beckmann(incidence[full], sheen), rtol=0.01)
     assert not (scan.attributes["truth_ghost"] == 1).any()
 
 
@@ -59,12 +69,12 @@ def test_share_of_a_beam_on_an_edge(offset):
     bundle = Bundle(rings=20)
     grid = replace(grid_of_field(1.0, (-1, 1), (-1, 1)), top=0.0, left=0.0, rows=1, columns=1)
     edge = offset * bundle.radius(3.0)
-    echoes = trace_beams(half_plane(edge), grid, Instrument(bundle), (0.0, 0.0, 0.0))
+    echoes = trace_beams(half_plane(edge), grid, with_bundle(bundle), HERE)
     x = np.linspace(-1, 1, 2001)
     x, y = np.meshgrid(x, x)
     energy = np.exp(-2 * (x**2 + y**2)) * (x**2 + y**2 <= 1)
     share = energy[x <= offset].sum() / energy.sum()
-    assert echoes.share[0] == pytest.approx(share, abs=0.01)
+    assert echoes.share[0, 0] == pytest.approx(share, abs=0.01)
     assert echoes.energy[0, 0] == pytest.approx(0.6 * share, abs=0.01)
 
 
@@ -73,9 +83,11 @@ def test_beam_on_two_surfaces_reports_the_phase_of_both():
     back = Wall((3.2, 0.0, 0.0), (0, 2.0, 0), (0, 0, 2.0), MATT)
     grid = replace(grid_of_field(1.0, (-1, 1), (-1, 1)), top=0.0, left=0.0004, rows=1, columns=1)
     scene = Scene("two", walls=(front, back))
-    echoes = trace_beams(scene, grid, Instrument(Bundle(rings=8)), (0.0, 0.0, 0.0))
-    main = echoes.share[0]
-    energies = np.where([echoes.surface[0] == 0, echoes.surface[0] == 1], main, 1 - main)
+    echoes = trace_beams(scene, grid, with_bundle(Bundle(rings=8)), HERE)
+    main = echoes.share[0, 0]
+    assert echoes.share[0].sum() == pytest.approx(1)
+    first = echoes.surface[0, 0] == 0
+    energies = np.array([main, 1 - main]) if first else np.array([1 - main, main])
     expected = phase_range([3.0, 3.2], energies / np.array([3.0, 3.2]) ** 2)
     assert echoes.distance[0] == pytest.approx(expected, abs=1e-5)
     off = min(abs(echoes.distance[0] - 3.0), abs(echoes.distance[0] - 3.2))
@@ -87,7 +99,7 @@ def test_nothing_comes_back_from_black_or_empty():
     grid = grid_of_field(0.5, (-2, 2), (-2, 2))
     wall = Wall((3.0, 0.0, 0.0), (0, 1.0, 0), (0, 0, 1.0), BLACK)
     for scene in (Scene("empty"), Scene("black", walls=(wall,))):
-        scan = scan_scene(scene, grid, Instrument())
+        scan = scan_scene(scene, grid, SILENT)
         assert len(scan) == 0
         assert len(scan.grid.no_return) == grid.rows * grid.columns
 
@@ -165,7 +177,7 @@ def flat_truth(leaves, beams, scanner):
 
 
 @pytest.mark.parametrize("tall", [(-2.0, 2.0), (70.0, 89.0)])
-def test_tiles_lose_no_leaf(tall):
+def test_the_hierarchy_loses_no_leaf(tall):
     random = np.random.default_rng(4)
     grid = grid_of_field(0.1, (-3, 3), tall)
     beams = grid.directions.reshape(-1, 3)
@@ -189,7 +201,9 @@ def test_tiles_lose_no_leaf(tall):
     )
     expected = flat_truth(leaves, beams, (0, 0, 0))
     assert (expected >= 0).sum() > 500
-    np.testing.assert_array_equal(echoes.surface, expected)
+    found = np.full(len(beams), -1)
+    found[echoes.cell] = echoes.surface[:, 0]
+    np.testing.assert_array_equal(found, expected)
 
 
 def test_noise_has_the_stated_size_and_grows_on_dark_surfaces():
@@ -201,8 +215,8 @@ def test_noise_has_the_stated_size_and_grows_on_dark_surfaces():
     assert values.std() / values.mean() == pytest.approx(0.03, rel=0.05)
     sigma = []
     for rho in (0.9, 0.1):
-        wall = Wall((10.0, 0, 0), (0, 0.5, 0), (0, 0, 0.5), (Gloss(rho), Gloss(rho)))
-        instrument = Instrument(receiver=Receiver(0.0026))
+        wall = Wall((10.0, 0, 0), (0, 0.5, 0), (0, 0, 0.5), (matt(rho), matt(rho)))
+        instrument = replace(SILENT, receiver=Receiver(0.0026))
         scan = scan_scene(
             Scene("wall", walls=(wall,)), grid_of_field(0.05, (-2, 2), (-2, 2)), instrument
         )

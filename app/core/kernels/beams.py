@@ -1,0 +1,188 @@
+"""The virtual scanner's loop: every beam of a band of the grid, and what comes back."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from app.core.kernels.boxes import DEEPEST, meet_tree
+from app.core.kernels.echoes import (
+    COMPONENTS,
+    EchoTable,
+    blend_range,
+    collect,
+    distance_off,
+    list_surfaces,
+    pick_returns,
+    range_by_phase,
+    sort_rays,
+    sort_surfaces,
+    split_returns,
+)
+from app.core.kernels.surfaces import HitTable, face_normal, split
+from app.core.kernels.vectors import cross, dot
+from app.core.kernels.waveforms import digitise, find_pulses, measure_pulse, rays_within
+
+
+class ReturnTable(NamedTuple):
+    """Room for the returns of a band, one row each; −1 and 0 where a component is missing."""
+
+    cell: Any  # (m,) row · columns + column
+    range: Any  # (m, 5): reported, off every surface, shift, distance of the main surface, ω
+    normal: Any  # (m, 3)
+    energy: Any  # (m, channels): reflectance × share, for the reported range
+    surface: Any  # (m, COMPONENTS)
+    share: Any  # (m, COMPONENTS)
+    touched: Any  # (m,) surfaces that the return is made of
+    wave: Any  # (w, channels, samples); no rows where waveforms are not kept
+    wave_start: Any  # (w,) range of the first sample
+    wave_of: Any  # (m,) row of `wave`
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def point_beam(origin, elevation, azimuth):  # type: ignore[no-untyped-def]
+    """Axes of a beam: origin, direction, and the two directions across it (left, up)."""
+    ce, se = math.cos(elevation), math.sin(elevation)
+    ca, sa = math.cos(azimuth), math.sin(azimuth)
+    o = (origin[0], origin[1], origin[2])
+    return o, (ce * ca, ce * sa, se), (-sa, ca, 0.0), (-se * ca, -se * sa, ce)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def central_ray(hits, echoes, span, surface):  # type: ignore[no-untyped-def]
+    """The sub-ray nearest to the beam's centre that met a surface."""
+    best = len(hits.distance)
+    for i in range(span[0], span[1]):
+        k = echoes.rays[i]
+        if hits.surface[k] == surface and k < best:
+            best = k
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # type: ignore[no-untyped-def]
+    """Row m of the table: the return made of a span of sub-rays, reported at `distance`."""
+    axes, column, count = ray
+    met = echoes.met
+    found = list_surfaces(hits, beam, echoes, (0, count))
+    off = distance_off(met, found, distance)
+    if span[1] - span[0] < count:
+        found = list_surfaces(hits, beam, echoes, span)
+    sort_surfaces(echoes, found)
+    for i in range(min(found, COMPONENTS)):
+        out.surface[m, i] = echoes.touched[i]
+        out.share[m, i] = met[i, 0]
+    out.touched[m] = found
+    k = central_ray(hits, echoes, span, echoes.touched[0])
+    offset = (beam.subrays[k, 0], beam.subrays[k, 1])
+    o, d = split(axes, (beam.exit_radius, beam.spread), offset[0], offset[1])
+    n = face_normal(table, echoes.touched[0], column, (o, d, hits.distance[k]))
+    main = met[0, 3] / met[0, 0]
+    # arccos would lose half of the digits near 0°.
+    across = cross(n, d)
+    angle = math.atan2(math.sqrt(dot(across, across)), abs(dot(n, d)))
+    for axis in range(3):
+        out.normal[m, axis] = n[axis]
+    for place, value in enumerate((distance, off, distance - main, main, angle)):
+        out.range[m, place] = value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def write_energy(out, m, total, scale):  # type: ignore[no-untyped-def]
+    """Energies of row m."""
+    for c in range(len(total)):
+        out.energy[m, c] = total[c] * scale
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def write_phase(out, m, table, beam, ray, hits, echoes):  # type: ignore[no-untyped-def]
+    """The one return of a phase-shift scanner; returns the next free row."""
+    count = ray[2]
+    distance = range_by_phase(hits, beam, echoes, count)
+    if not distance > 0.0:
+        return m
+    write_energy(out, m, echoes.total, distance * distance)
+    write_return(out, m, table, beam, ray, hits, echoes, (0, count), distance)
+    return m + 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def write_pulses(out, m, table, beam, ray, hits, echoes, spans):  # type: ignore[no-untyped-def]
+    """The returns of a pulsed scanner, blended in groups; returns the next free row."""
+    found = pick_returns(beam, spans, split_returns(hits, beam, echoes, ray[2], spans))
+    for i in range(found):
+        distance = blend_range(hits, beam, echoes, spans[i])
+        write_energy(out, m, echoes.total, distance * distance)
+        span = (int(spans[i, 0]), int(spans[i, 1]))
+        write_return(out, m, table, beam, ray, hits, echoes, span, distance)
+        m += 1
+    return m
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def write_waveform(out, m, table, beam, ray, hits, echoes, spans, wave):  # type: ignore[no-untyped-def]
+    """The returns found in a digitised, noisy waveform; the next free row, and its start."""
+    count = ray[2]
+    start = digitise(hits, beam, echoes, count, wave)
+    near = hits.distance[echoes.rays[0]]
+    found = pick_returns(beam, spans, find_pulses(beam, wave, spans))
+    for i in range(found):
+        distance = measure_pulse(beam, wave, spans[i], start, echoes.total)
+        low = start + (spans[i, 0] - 1) * beam.sample
+        high = start + spans[i, 1] * beam.sample
+        span = rays_within(hits, echoes, count, low, high)
+        if span[0] == span[1]:
+            continue
+        write_energy(out, m, echoes.total, (distance / near) ** 2)
+        write_return(out, m, table, beam, ray, hits, echoes, span, distance)
+        m += 1
+    return m, start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, out):  # type: ignore[no-untyped-def]
+    """Trace the rows `band` = (first, end) of a grid into `out`; how many returns, waveforms.
+
+    `noise` is (beams of the band, channels, samples) of unit variance for an instrument that
+    digitises, and has no rows for any other. Threads take a band each: numba's own parallel
+    loop cannot carry nested tables.
+    """
+    columns, rays, channels = len(azimuth), len(beam.subrays), optics.rho.shape[1]
+    hits = HitTable(np.empty(rays), np.empty(rays), np.empty(rays, np.int64))
+    echoes = EchoTable(
+        np.empty(rays, np.int64),
+        np.empty((rays, channels)),
+        np.empty(channels),
+        np.empty((2, len(beam.wavelengths))),
+        np.empty(rays, np.int64),
+        np.empty((rays, 4)),
+    )
+    spans = np.empty((rays, 3))
+    stack, entry = np.empty(DEEPEST, np.int64), np.empty(DEEPEST)
+    pulsed, digitises = len(beam.wavelengths) == 0, len(noise) > 0
+    m, waves = 0, 0
+    for row in range(band[0], band[1]):
+        for column in range(columns):
+            axes = point_beam(origin, elevation[row], azimuth[column])
+            meet_tree(table, tree, column, axes, beam, hits, stack, entry)
+            count = collect(hits, beam, optics, echoes)
+            if count == 0 or echoes.total[beam.ranging_channel] <= 0.0:
+                continue
+            ray, first = (axes, column, count), m
+            if not pulsed:
+                m = write_phase(out, m, table, beam, ray, hits, echoes)
+            else:
+                sort_rays(echoes.rays, count, hits.distance)
+                if digitises:
+                    wave = noise[(row - band[0]) * columns + column]
+                    m, start = write_waveform(out, m, table, beam, ray, hits, echoes, spans, wave)
+                    if m > first and len(out.wave) > 0:
+                        out.wave[waves] = wave
+                        out.wave_start[waves] = start
+                        out.wave_of[first:m] = waves
+                        waves += 1
+                else:
+                    m = write_pulses(out, m, table, beam, ray, hits, echoes, spans)
+            out.cell[first:m] = row * columns + column
+    return m, waves
