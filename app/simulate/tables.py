@@ -16,7 +16,8 @@ from app.simulate.surfaces import Leaf, Scene, Stem, Wall
 
 if TYPE_CHECKING:
     from app.core.kernels.echoes import BeamTable, OpticsTable
-    from app.core.kernels.surfaces import LeafTable, StemTable, SurfaceTable, WallTable
+    from app.core.kernels.leaves import LeafTable
+    from app.core.kernels.surfaces import StemTable, SurfaceTable, WallTable
 
 SAMPLES = 2049
 """Values of a phase function over √(1 − cos ω): linear between them, to some 1e-6."""
@@ -85,7 +86,7 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
 
     bundle, ranging = instrument.bundle, instrument.ranging
     shape = (
-        bundle.subrays(),
+        np.ascontiguousarray(bundle.subrays().T),
         bundle.exit_diameter / 2,
         float(np.tan(bundle.half_divergence)),
         instrument.ranging_channel,
@@ -116,7 +117,7 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
 
 
 def _tabulate_leaves(leaves: tuple[Leaf, ...]) -> LeafTable:
-    from app.core.kernels.surfaces import LeafTable
+    from app.core.kernels.leaves import LeafTable
 
     waves = [
         (s.wrinkle_height, *(2 * np.pi / np.array(s.wrinkle_lengths)), *s.wrinkle_phases)

@@ -20,7 +20,8 @@ from app.core.kernels.echoes import (
     sort_surfaces,
     split_returns,
 )
-from app.core.kernels.surfaces import HitTable, face_normal, split
+from app.core.kernels.rays import HitTable, split
+from app.core.kernels.surfaces import face_normal
 from app.core.kernels.vectors import cross, dot
 from app.core.kernels.waveforms import digitise, find_pulses, measure_pulse, rays_within
 
@@ -75,7 +76,7 @@ def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # typ
         out.share[m, i] = met[i, 0]
     out.touched[m] = found
     k = central_ray(hits, echoes, span, echoes.touched[0])
-    offset = (beam.subrays[k, 0], beam.subrays[k, 1])
+    offset = (beam.subrays[0, k], beam.subrays[1, k])
     o, d = split(axes, (beam.exit_radius, beam.spread), offset[0], offset[1])
     n = face_normal(table, echoes.touched[0], column, (o, d, hits.distance[k]))
     main = met[0, 3] / met[0, 0]
@@ -148,8 +149,8 @@ def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, ou
     digitises, and has no rows for any other. Threads take a band each: numba's own parallel
     loop cannot carry nested tables.
     """
-    columns, rays, channels = len(azimuth), len(beam.subrays), optics.rho.shape[1]
-    hits = HitTable(np.empty(rays), np.empty(rays), np.empty(rays, np.int64))
+    columns, rays, channels = len(azimuth), beam.subrays.shape[1], optics.rho.shape[1]
+    hits = HitTable(np.empty(rays), np.empty(rays), np.empty(rays, np.int64), np.empty((2, rays)))
     echoes = EchoTable(
         np.empty(rays, np.int64),
         np.empty((rays, channels)),

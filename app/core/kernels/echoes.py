@@ -26,7 +26,7 @@ class OpticsTable(NamedTuple):
 class BeamTable(NamedTuple):
     """Bundle of sub-rays and the way in which their echoes become ranges."""
 
-    subrays: Any  # (k, 3): offsets in units of the beam radius, share of the energy
+    subrays: Any  # (3, k): offsets in units of the beam radius, share of the energy
     exit_radius: float  # m
     spread: float  # tan of the half divergence
     ranging_channel: int
@@ -65,7 +65,7 @@ def collect(hits, beam, optics, echoes):  # type: ignore[no-untyped-def]
             continue
         rays[count] = k
         count += 1
-        share = subrays[k, 2] / (distance[k] * distance[k])
+        share = subrays[2, k] / (distance[k] * distance[k])
         place = math.sqrt(max(1.0 - facing[k], 0.0)) * last
         i = min(int(place), last - 1)
         for c in range(len(total)):
@@ -153,7 +153,7 @@ def list_surfaces(hits, beam, echoes, span):  # type: ignore[no-untyped-def]
     found, slot = 0, 0
     for i in range(span[0], span[1]):
         k = rays[i]
-        t, share = distance[k], subrays[k, 2]
+        t, share = distance[k], subrays[2, k]
         if found == 0 or touched[slot] != surface[k]:
             slot = 0
             while slot < found and touched[slot] != surface[k]:
