@@ -21,6 +21,14 @@ import platformdirs
 from numba import config
 
 SAFE = {"contract", "reassoc", "arcp", "nsz"}
+INNER = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+"""Options of what only other kernels call: compiling the way in from Python takes long."""
 KEEP_DAYS = 30.0
 """An older version's folder is removed when nobody has used it for so long."""
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from app.core.kernels import INNER
 from app.core.kernels.boxes import DEEPEST, meet_tree
 from app.core.kernels.echoes import (
     COMPONENTS,
@@ -25,6 +26,9 @@ from app.core.kernels.surfaces import face_normal
 from app.core.kernels.vectors import cross, dot
 from app.core.kernels.waveforms import digitise, find_pulses, measure_pulse, rays_within
 
+ZERO = np.int64(0)
+"""A bare 0 would have every function that gets it compiled once more, for this very number."""
+
 
 class ReturnTable(NamedTuple):
     """Room for the returns of a band, one row each; −1 and 0 where a component is missing."""
@@ -41,7 +45,7 @@ class ReturnTable(NamedTuple):
     wave_of: Any  # (m,) row of `wave`
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def point_beam(origin, elevation, azimuth):  # type: ignore[no-untyped-def]
     """Axes of a beam: origin, direction, and the two directions across it (left, up)."""
     ce, se = math.cos(elevation), math.sin(elevation)
@@ -50,7 +54,7 @@ def point_beam(origin, elevation, azimuth):  # type: ignore[no-untyped-def]
     return o, (ce * ca, ce * sa, se), (-sa, ca, 0.0), (-se * ca, -se * sa, ce)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def central_ray(hits, echoes, span, surface):  # type: ignore[no-untyped-def]
     """The sub-ray nearest to the beam's centre that met a surface."""
     best = len(hits.distance)
@@ -61,12 +65,12 @@ def central_ray(hits, echoes, span, surface):  # type: ignore[no-untyped-def]
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # type: ignore[no-untyped-def]
     """Row m of the table: the return made of a span of sub-rays, reported at `distance`."""
     axes, column, count = ray
     met = echoes.met
-    found = list_surfaces(hits, beam, echoes, (0, count))
+    found = list_surfaces(hits, beam, echoes, (ZERO, count))
     off = distance_off(met, found, distance)
     if span[1] - span[0] < count:
         found = list_surfaces(hits, beam, echoes, span)
@@ -89,14 +93,14 @@ def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # typ
         out.range[m, place] = value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def write_energy(out, m, total, scale):  # type: ignore[no-untyped-def]
     """Energies of row m."""
     for c in range(len(total)):
         out.energy[m, c] = total[c] * scale
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def write_phase(out, m, table, beam, ray, hits, echoes):  # type: ignore[no-untyped-def]
     """The one return of a phase-shift scanner; returns the next free row."""
     count = ray[2]
@@ -104,11 +108,11 @@ def write_phase(out, m, table, beam, ray, hits, echoes):  # type: ignore[no-unty
     if not distance > 0.0:
         return m
     write_energy(out, m, echoes.total, distance * distance)
-    write_return(out, m, table, beam, ray, hits, echoes, (0, count), distance)
+    write_return(out, m, table, beam, ray, hits, echoes, (ZERO, count), distance)
     return m + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def write_pulses(out, m, table, beam, ray, hits, echoes, spans):  # type: ignore[no-untyped-def]
     """The returns of a pulsed scanner, blended in groups; returns the next free row."""
     found = pick_returns(beam, spans, split_returns(hits, beam, echoes, ray[2], spans))
@@ -121,7 +125,7 @@ def write_pulses(out, m, table, beam, ray, hits, echoes, spans):  # type: ignore
     return m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def write_waveform(out, m, table, beam, ray, hits, echoes, spans, wave):  # type: ignore[no-untyped-def]
     """The returns found in a digitised, noisy waveform; the next free row, and its start."""
     count = ray[2]
@@ -162,7 +166,7 @@ def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, ou
     spans = np.empty((rays, 3))
     stack, entry = np.empty(DEEPEST, np.int64), np.empty(DEEPEST)
     pulsed, digitises = len(beam.wavelengths) == 0, len(noise) > 0
-    m, waves = 0, 0
+    m, waves = ZERO, ZERO
     for row in range(band[0], band[1]):
         for column in range(columns):
             axes = point_beam(origin, elevation[row], azimuth[column])

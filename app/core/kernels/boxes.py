@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from app.core.kernels import INNER
 from app.core.kernels.surfaces import meet_surface
 
 DEEPEST = 64
@@ -24,7 +25,7 @@ class TreeTable(NamedTuple):
     own_high: Any
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def invert(d):  # type: ignore[no-untyped-def]
     """One over each component of a direction."""
     return (
@@ -34,7 +35,7 @@ def invert(d):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def enter_box(low, high, i, o, inverse):  # type: ignore[no-untyped-def]
     """Distance at which a ray enters box i, 0 from inside; inf when it misses."""
     near, far = 0.0, np.inf
@@ -46,7 +47,7 @@ def enter_box(low, high, i, o, inverse):  # type: ignore[no-untyped-def]
     return near if near <= far else np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def farthest(distance):  # type: ignore[no-untyped-def]
     """Distance beyond which nothing can change the hits; inf while a sub-ray is free."""
     most = 0.0
@@ -55,7 +56,7 @@ def farthest(distance):  # type: ignore[no-untyped-def]
     return most
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_tree(table, tree, column, axes, beam, hits, stack, entry):  # type: ignore[no-untyped-def]
     """Nearest crossing of each sub-ray of a beam, into `hits`."""
     hits.distance[:] = np.inf

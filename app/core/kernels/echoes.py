@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from app.core.kernels import SAFE
+from app.core.kernels import INNER, SAFE
 
 SMALL = 0.2
 """Radians up to which five terms of their series give sine and cosine to the last digit."""
@@ -52,7 +52,7 @@ class EchoTable(NamedTuple):
     met: Any  # (k, 4): share, nearest and farthest distance, share × distance
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def collect(hits, beam, optics, echoes):  # type: ignore[no-untyped-def]
     """List the sub-rays that met something, with their energies; returns how many."""
     distance, facing, surface = hits.distance, hits.facing, hits.surface
@@ -76,7 +76,7 @@ def collect(hits, beam, optics, echoes):  # type: ignore[no-untyped-def]
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def sort_rays(rays, count, distance):  # type: ignore[no-untyped-def]
     """Put sub-rays in order of distance; they are nearly so already."""
     for i in range(1, count):
@@ -88,7 +88,7 @@ def sort_rays(rays, count, distance):  # type: ignore[no-untyped-def]
         rays[j + 1] = ray
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=SAFE)
+@njit(**INNER, fastmath=SAFE)
 def sum_fine_phase(rays, energy, distance, span, wave_number):  # type: ignore[no-untyped-def]
     """Phase of the summed echoes at one wavelength, all of them within `SMALL` of the first."""
     start, channel = distance[rays[0]], span[1]
@@ -102,7 +102,7 @@ def sum_fine_phase(rays, energy, distance, span, wave_number):  # type: ignore[n
     return math.atan2(imaginary, real)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def unwrap(phasor, wavelengths):  # type: ignore[no-untyped-def]
     """Range from the phases of summed echoes: the coarse one picks the finer one's cycle."""
     distance = 0.0
@@ -113,7 +113,7 @@ def unwrap(phasor, wavelengths):  # type: ignore[no-untyped-def]
     return distance
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def range_by_phase(hits, beam, echoes, count):  # type: ignore[no-untyped-def]
     """Range of a phase-shift scanner, folded into its unambiguous interval.
 
@@ -145,7 +145,7 @@ def range_by_phase(hits, beam, echoes, count):  # type: ignore[no-untyped-def]
     return (start + unwrap(phasor, wavelengths)) % (0.5 * wavelengths[0])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def list_surfaces(hits, beam, echoes, span):  # type: ignore[no-untyped-def]
     """Surfaces met by the sub-rays `span` = (first, end) of the list; returns how many."""
     rays, touched, met, subrays = echoes.rays, echoes.touched, echoes.met, beam.subrays
@@ -169,7 +169,7 @@ def list_surfaces(hits, beam, echoes, span):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def sort_surfaces(echoes, found):  # type: ignore[no-untyped-def]
     """Put the largest shares first, as many as are told apart."""
     for i in range(min(found, COMPONENTS)):
@@ -183,7 +183,7 @@ def sort_surfaces(echoes, found):  # type: ignore[no-untyped-def]
                 echoes.met[i, c], echoes.met[best, c] = echoes.met[best, c], echoes.met[i, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def distance_off(met, found, distance):  # type: ignore[no-untyped-def]
     """How far a range is from the nearest of the surfaces listed."""
     off = np.inf
@@ -192,7 +192,7 @@ def distance_off(met, found, distance):  # type: ignore[no-untyped-def]
     return off
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def split_returns(hits, beam, echoes, count, spans):  # type: ignore[no-untyped-def]
     """Spans of sub-rays that blend into one return each and are strong enough; how many."""
     c = beam.ranging_channel
@@ -211,7 +211,7 @@ def split_returns(hits, beam, echoes, count, spans):  # type: ignore[no-untyped-
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def pick_returns(beam, spans, found):  # type: ignore[no-untyped-def]
     """Leave in `spans` what the instrument reports, near to far; how many."""
     if found == 0:
@@ -230,7 +230,7 @@ def pick_returns(beam, spans, found):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def blend_range(hits, beam, echoes, span):  # type: ignore[no-untyped-def]
     """Energy-weighted mean distance of a span of sub-rays; their energies into `total`."""
     echoes.total[:] = 0.0

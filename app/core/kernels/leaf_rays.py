@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
-from app.core.kernels import SAFE
+from app.core.kernels import INNER, SAFE
 from app.core.kernels.vectors import dot
 
 STEPS = 3
@@ -19,7 +19,7 @@ EXACT = 1e-11
 """Squared metres, all sub-rays together, of a last Newton step that leaves less than 1e-9 m."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def inside(outline, x, y):  # type: ignore[no-untyped-def]
     """Whether a place lies in an egg without lobes; no branches."""
     s = x / outline[0]
@@ -27,7 +27,7 @@ def inside(outline, x, y):  # type: ignore[no-untyped-def]
     return (s * s < 1.0) & (y * y <= w * w * (1.0 - s * s))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_flat(outline, axes, size, subrays, found):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| of each sub-ray on a flat leaf, inf where it misses."""
     o, d, left, up = axes
@@ -44,7 +44,7 @@ def meet_flat(outline, axes, size, subrays, found):  # type: ignore[no-untyped-d
         facing[k] = abs(dz)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_bent(outline, bend, axes, size, subrays, found):  # type: ignore[no-untyped-def]
     """The same on a leaf that is part of a cylinder of radius 1 / curvature.
 
@@ -75,7 +75,7 @@ def meet_bent(outline, bend, axes, size, subrays, found):  # type: ignore[no-unt
         facing[k] = abs(c * (ps + t * ds) * ds - lift * dz)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def sine(x):  # type: ignore[no-untyped-def]
     """Sine to 1e-9; the library's cannot be widened."""
     turns = np.floor(x * (1.0 / math.pi) + 0.5)
@@ -88,7 +88,7 @@ def sine(x):  # type: ignore[no-untyped-def]
     return y * (1.0 - 2.0 * odd)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=SAFE)
+@njit(**INNER, fastmath=SAFE)
 def meet_gentle(outline, shape, axes, size, subrays, plane, found):  # type: ignore[no-untyped-def]
     """The same on a wrinkled leaf that each sub-ray can cross but once.
 
@@ -130,7 +130,7 @@ def meet_gentle(outline, shape, axes, size, subrays, plane, found):  # type: ign
     return missed < EXACT
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def misses(outline, slab, steepest, radius, o, d):  # type: ignore[no-untyped-def]
     """Whether no sub-ray can meet a leaf that each can cross but once.
 
@@ -145,7 +145,7 @@ def misses(outline, slab, steepest, radius, o, d):  # type: ignore[no-untyped-de
     return x > outline[0] + stray or y > outline[1] * (1.0 + abs(outline[2])) + stray
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def clears(slab, reach, radius, o, d):  # type: ignore[no-untyped-def]
     """Whether no sub-ray can meet a leaf's bounding sphere within its slab."""
     middle = -dot(o, d)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from app.core.kernels import leaf_rays
+from app.core.kernels import INNER, leaf_rays
 from app.core.kernels.rays import keep_nearer, localise, split
 from app.core.kernels.vectors import along, dot, minus, take, turn_in, turn_out
 
@@ -30,7 +30,7 @@ class LeafTable(NamedTuple):
     sway: Any  # (n, 5): displacement, m; rate per column and phase, radians
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def displaced(leaves, i, column):  # type: ignore[no-untyped-def]
     """Centre of a leaf while the scanner measures a column."""
     sway = leaves.sway
@@ -41,7 +41,7 @@ def displaced(leaves, i, column):  # type: ignore[no-untyped-def]
     return (c[0] + s * sway[i, 0], c[1] + s * sway[i, 1], c[2] + s * sway[i, 2])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def height(shape, x, y):  # type: ignore[no-untyped-def]
     """Height of a leaf over its plane, and its slopes along and across."""
     bend, wrinkle = shape
@@ -60,21 +60,21 @@ def height(shape, x, y):  # type: ignore[no-untyped-def]
     return h, hx, hy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def shape_of(leaves, i):  # type: ignore[no-untyped-def]
     """Bend and wrinkle of a leaf as tuples."""
     w = leaves.wrinkle
     return take(leaves.bend, i), (w[i, 0], w[i, 1], w[i, 2], w[i, 3], w[i, 4])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def outline_of(leaves, i):  # type: ignore[no-untyped-def]
     """Outline of a leaf as a tuple."""
     a = leaves.outline
     return (a[i, 0], a[i, 1], a[i, 2], a[i, 3], a[i, 4])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def within(outline, x, y):  # type: ignore[no-untyped-def]
     """Whether a place of the local plane lies inside the outline: an egg, perhaps lobed."""
     if outline[3] > 0.0:
@@ -88,7 +88,7 @@ def within(outline, x, y):  # type: ignore[no-untyped-def]
     return y * y <= w * w * (1.0 - s * s)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_slab(slab, radius, o, d):  # type: ignore[no-untyped-def]
     """Stretch of a ray inside a leaf's bounding sphere and slab; empty when high < low."""
     middle = -dot(o, d)
@@ -103,7 +103,7 @@ def meet_slab(slab, radius, o, d):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def refine(shape, o, d, low, high, rises, t):  # type: ignore[no-untyped-def]
     """Crossing of a leaf's height between two distances, from a first guess.
 
@@ -128,13 +128,13 @@ def refine(shape, o, d, low, high, rises, t):  # type: ignore[no-untyped-def]
     return t, hx, hy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def face(d, hx, hy):  # type: ignore[no-untyped-def]
     """|cos ω| of a ray on a surface of given slopes."""
     return abs(d[2] - hx * d[0] - hy * d[1]) / math.sqrt(1.0 + hx * hx + hy * hy)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def march(outline, shape, span, o, d):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| of the first crossing of a leaf within `span`."""
     low, high = span
@@ -153,7 +153,7 @@ def march(outline, shape, span, o, d):  # type: ignore[no-untyped-def]
     return np.inf, 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def touch(shape, slab, o, d):  # type: ignore[no-untyped-def]
     """Tangent plane where a ray crosses a leaf that it can cross but once, outline or not.
 
@@ -166,7 +166,7 @@ def touch(shape, slab, o, d):  # type: ignore[no-untyped-def]
     return z - hx * x - hy * y, hx, hy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_each(outline, shape, bounds, axes, size, subrays, found):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| of each sub-ray on a leaf of any shape, inf where it misses."""
     slab, reach = bounds
@@ -178,7 +178,7 @@ def meet_each(outline, shape, bounds, axes, size, subrays, found):  # type: igno
             found[0, k], found[1, k] = march(outline, shape, span, o, d)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_leaf(leaves, i, column, axes, beam, hits):  # type: ignore[no-untyped-def]
     """Sub-rays of a beam against one leaf."""
     axes = localise(displaced(leaves, i, column), leaves.frame, i, axes)
@@ -214,7 +214,7 @@ def meet_leaf(leaves, i, column, axes, beam, hits):  # type: ignore[no-untyped-d
     keep_nearer(hits, ahead, i)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def leaf_normal(leaves, i, column, point):  # type: ignore[no-untyped-def]
     """Normal of a leaf at a point of it, of any length."""
     p = turn_in(leaves.frame, i, minus(point, displaced(leaves, i, column)))

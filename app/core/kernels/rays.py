@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from numba import njit
 
+from app.core.kernels import INNER
 from app.core.kernels.vectors import along, minus, turn_in
 
 
@@ -16,7 +17,7 @@ class HitTable(NamedTuple):
     found: Any  # (2, k) distance and cos ω of crossings that are not yet judged
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def split(axes, size, a, b):  # type: ignore[no-untyped-def]
     """Start and direction of the sub-ray at offset (a, b); `size`: exit radius and spread."""
     o, d, left, up = axes
@@ -24,7 +25,7 @@ def split(axes, size, a, b):  # type: ignore[no-untyped-def]
     return along(o, offset, size[0]), along(d, offset, size[1])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def localise(centre, frames, i, axes):  # type: ignore[no-untyped-def]
     """Origin, direction, left and up of a beam in the frame of a surface."""
     origin, d, left, up = axes
@@ -32,7 +33,7 @@ def localise(centre, frames, i, axes):  # type: ignore[no-untyped-def]
     return o, turn_in(frames, i, d), turn_in(frames, i, left), turn_in(frames, i, up)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def keep_nearer(hits, ahead, index):  # type: ignore[no-untyped-def]
     """Take over the crossings found, `ahead` metres further on, that are the nearest so far."""
     distance, facing, surface = hits.distance, hits.facing, hits.surface

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from app.core.kernels import INNER
 from app.core.kernels.leaves import LeafTable, leaf_normal, meet_leaf
 from app.core.kernels.rays import keep_nearer, localise, split
 from app.core.kernels.vectors import along, dot, minus, take, turn_out
@@ -39,7 +40,7 @@ class SurfaceTable(NamedTuple):
     walls: WallTable
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_sphere(centre, radius, o, d):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| on a sphere."""
     p = minus(o, centre)
@@ -51,7 +52,7 @@ def meet_sphere(centre, radius, o, d):  # type: ignore[no-untyped-def]
     return t, abs(dot(minus(along(o, d, t), centre), d)) / radius
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_cylinder(start, axis, radius, o, d):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| on a cylinder without ends."""
     p = minus(o, start)
@@ -69,7 +70,7 @@ def meet_cylinder(start, axis, radius, o, d):  # type: ignore[no-untyped-def]
     return t, abs(dot(minus(along(o, d, t), foot), d)) / radius
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_stem(stems, i, axes, beam, hits, index):  # type: ignore[no-untyped-def]
     """Sub-rays of a beam against a cylinder with round ends."""
     subrays, found, size = beam.subrays, hits.found, (beam.exit_radius, beam.spread)
@@ -86,7 +87,7 @@ def meet_stem(stems, i, axes, beam, hits, index):  # type: ignore[no-untyped-def
     keep_nearer(hits, 0.0, index)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_wall(walls, i, axes, beam, hits, index):  # type: ignore[no-untyped-def]
     """Sub-rays of a beam against a rectangle."""
     lefts, ups, exit_radius, spread = (
@@ -110,7 +111,7 @@ def meet_wall(walls, i, axes, beam, hits, index):  # type: ignore[no-untyped-def
     keep_nearer(hits, 0.0, index)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def meet_surface(table, surface, column, axes, beam, hits):  # type: ignore[no-untyped-def]
     """Sub-rays of a beam against one surface."""
     leaves, stems = len(table.leaves.centre), len(table.stems.radius)
@@ -122,7 +123,7 @@ def meet_surface(table, surface, column, axes, beam, hits):  # type: ignore[no-u
         meet_wall(table.walls, surface - leaves - stems, axes, beam, hits, surface)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def stem_normal(stems, i, point):  # type: ignore[no-untyped-def]
     """Normal of a stem at a point of it, of any length."""
     start = take(stems.start, i)
@@ -132,7 +133,7 @@ def stem_normal(stems, i, point):  # type: ignore[no-untyped-def]
     return minus(point, along(start, axis, min(max(place, 0.0), 1.0)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def face_normal(table, surface, column, ray):  # type: ignore[no-untyped-def]
     """Unit normal of a surface where the ray (origin, direction, distance) ends, facing back."""
     o, d, t = ray

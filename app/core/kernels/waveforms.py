@@ -4,13 +4,15 @@ import math
 
 from numba import njit
 
+from app.core.kernels import INNER
+
 LEAD = 2.0
 """The record begins this many pulse lengths before the first surface."""
 NOISE_GATE = 4.0
 """A sample counts as a return from this many σ of the noise on."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def digitise(hits, beam, echoes, count, wave):  # type: ignore[no-untyped-def]
     """Fill `wave` (channels, samples), noise in, waveform out; returns the first sample's range.
 
@@ -33,7 +35,7 @@ def digitise(hits, beam, echoes, count, wave):  # type: ignore[no-untyped-def]
     return start
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def find_pulses(beam, wave, spans):  # type: ignore[no-untyped-def]
     """Runs of samples above the threshold as (first, end, sum), near to far; how many."""
     c = beam.ranging_channel
@@ -55,7 +57,7 @@ def find_pulses(beam, wave, spans):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def measure_pulse(beam, wave, span, start, energies):  # type: ignore[no-untyped-def]
     """Range of a return by its centroid; its energies, by the sum method, into `energies`."""
     first, end = int(span[0]), int(span[1])
@@ -72,7 +74,7 @@ def measure_pulse(beam, wave, span, start, energies):  # type: ignore[no-untyped
     return start + beam.sample * weighted / weight
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def rays_within(hits, echoes, count, low, high):  # type: ignore[no-untyped-def]
     """Span of the sub-rays whose distance lies between two ranges."""
     first = 0
