@@ -39,6 +39,8 @@ def _file_rows() -> tuple[Row, ...]:
             ("Ctrl+O",), "ph.folder-open", bar="file", tip=tr("Open scans or a session")),
         Row("file.demo", tr("Open the &demo"), lambda desk, _: desk.files.open_demo(), "file",
             icon="ph.tree", tip=tr("A simulated branch of leaves to try things on")),
+        Row("file.simulate", tr("S&imulate a scan…"), lambda desk, _: desk.files.simulate(), "file",
+            icon="ph.broadcast", tip=tr("Scan a made-up scene, of which everything is known")),
         Row("file.save", tr("&Save session"), lambda desk, _: desk.files.save(), "file",
             ("Ctrl+S",), "ph.floppy-disk", section=1, bar="file", enabled=has_scan),
         Row("file.save_as", tr("Save session &as…"), lambda desk, _: desk.files.save_as(), "file",

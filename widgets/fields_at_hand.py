@@ -9,10 +9,11 @@ from app.core.indices import NAMED, match_channels
 from app.model.fields import FieldSpec
 from app.model.project import Project
 from app.model.state import ScanState
+from app.model.truth_fields import describe_truth
 
 JUDGED = ("incidence_from_intensity", "delta_omega", "ghost_score", "ghost", "leaf")
 GEOMETRY = ("range", "incidence")
-GROUPS = ("Channels", "Indices", "Geometry", "Leaves & ghosts", "Other")
+GROUPS = ("Channels", "Indices", "Geometry", "Leaves & ghosts", "Truth", "Other")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,9 @@ def group_of(spec: FieldSpec, state: ScanState) -> str:
         return "Indices"
     if spec.name in GEOMETRY:
         return "Geometry"
-    return "Leaves & ghosts" if spec.name in JUDGED else "Other"
+    if spec.name in JUDGED:
+        return "Leaves & ghosts"
+    return "Truth" if describe_truth(spec.name) else "Other"
 
 
 def why_not(project: Project, scan: str, field: str) -> str:

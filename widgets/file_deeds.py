@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from app.core.progress import Progress
+from app.core.units import count_points
 from app.formats.session import SUFFIX
 from app.model.operations import AddScan, CloseScan, Several
 from app.model.project import Project
@@ -17,6 +19,9 @@ from widgets.dialogs.export import ExportDialog
 from widgets.dialogs.open_scan import FileDialogs
 from widgets.documents import Documents
 from widgets.picture import Picture
+
+if TYPE_CHECKING:
+    from app.services.simulation_order import Order
 
 DEMO_COLOUR = "reflectance_1063"
 Button = QMessageBox.StandardButton
@@ -61,6 +66,12 @@ class FileDeeds(QObject):
             self._documents.open([path])
 
         self._controller.run(self.tr("Preparing the demo"), work, done)
+
+    def simulate(self) -> None:
+        """Ask which scene to scan with which instrument, and where to write the points."""
+        from widgets.dialogs.simulate import SimulateDialog
+
+        SimulateDialog(self._controller, self.dialogs, self._simulate, self._window).open()
 
     def save(self) -> None:
         """Save to the session's file; ask for a name the first time."""
@@ -128,6 +139,22 @@ class FileDeeds(QObject):
     def _save(self, path: Path) -> bool:
         self._picture.keep_camera()
         return self._documents.save(path)
+
+    def _simulate(self, order: Order, path: Path, opens: bool) -> None:
+        def work(progress: Progress) -> dict[str, Any]:
+            from app.services.simulation import Targets, simulate_file
+
+            # The file dialog has asked about an existing file.
+            return simulate_file(order, Targets(path, overwrite=True), progress)
+
+        def done(report: dict[str, Any]) -> None:
+            written = self.tr("{0} written to {1}.").format(count_points(report["points"]), path)
+            self._controller.said.emit(written)
+            if opens:
+                self._controller.look(colour=report["channels"][0])
+                self._documents.open([path])
+
+        self._controller.run(self.tr("Simulating {0}").format(path.name), work, done)
 
     def _suggest(self, suffix: str) -> Path:
         scan = self._controller.scan

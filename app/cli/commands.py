@@ -122,7 +122,7 @@ def compute(
     field
         A field: range, incidence, ndi, ghost, a channel … (may be repeated).
     out
-        File to write: .npz, .laz, .las, .e57, .ply or .csv.
+        File to write: .npz, .laz, .las, .e57, .ptx, .ply or .csv.
     radius
         Neighbours lie within this distance, metres (default 0.004).
     report
@@ -328,3 +328,10 @@ def demo(*, out: Path | None = None, overwrite: Overwrite = False) -> None:
 
         for line in run_demo(out, overwrite, watch()):
             say(line)
+
+
+# By name, so that its file may use what stands here.
+leafscope.command(
+    "app.cli.simulating:simulate",
+    help="Scan a simulated scene: points with everything that is true about them.",
+)

@@ -14,6 +14,7 @@ from app.core.units import to_degrees, to_radians
 from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec
 from app.model.parameters import Curve, Formula
 from app.model.scan import Channel, Scan
+from app.model.truth_fields import TruthField, describe_truth
 
 CHANNEL_UNITS = {"DN": "DN", "dB": "dB", "linear": "", "reflectance": ""}
 
@@ -56,13 +57,14 @@ def channel_field(channel: Channel) -> FieldSpec:
 
 
 def attribute_field(name: str) -> FieldSpec:
-    """Any other number that the file holds."""
+    """Any other number that the file holds; the truth of simulated scans under its title."""
+    shown = describe_truth(name) or TruthField(name)
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
-        values = evaluation.subject.state.scan.attributes[name]
-        return Computed(_rows(values, points).astype(np.float64))
+        values = _rows(evaluation.subject.state.scan.attributes[name], points).astype(np.float64)
+        return Computed(np.where(values < 0, np.nan, values) if shown.numbers else values)
 
-    return FieldSpec(name, name, "", "scalar", compute, stored=True)
+    return FieldSpec(name, shown.title, shown.unit, shown.kind, compute, stored=True)
 
 
 def index_field(index: NamedIndex, scan: Scan) -> FieldSpec:

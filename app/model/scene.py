@@ -21,6 +21,7 @@ DEFAULT_MAPS: Mapping[FieldKind, str] = {
     "signed angle": "delta-omega",
     "score": "batlow",
     "flag": "flag",
+    "verdict": "verdict",
     "class": "leaves",
 }
 
@@ -153,16 +154,19 @@ def _sample(values: Values) -> Floats:
 
 
 def default_limits(values: Floats, kind: FieldKind) -> tuple[float, float]:
-    """Limits that show the data: fixed for angles and scores, else the middle 98 %."""
+    """Limits that show the data: fixed for angles and answers, else the middle 98 %."""
     if kind == "angle":
         return 0.0, 90.0
     if kind in ("score", "flag"):
         return 0.0, 1.0
+    if kind == "verdict":
+        return 0.0, 2.0
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return 0.0, 1.0
     if kind == "signed angle":
         reach = max(float(np.quantile(np.abs(finite), 0.98)), 1.0)
         return -reach, reach
-    low, high = (float(q) for q in np.quantile(finite, (0.01, 0.99)))
+    within = (0.0, 1.0) if kind == "class" else (0.01, 0.99)
+    low, high = (float(q) for q in np.quantile(finite, within))
     return (low, high) if high > low else (low - 0.5, low + 0.5)

@@ -7,11 +7,17 @@ from typing import Any
 import numpy as np
 
 from app.core.units import group_digits
+from app.model.fields import FieldKind
 from app.model.scene import ColourBar, Scene
 from app.render.palettes import BACKGROUNDS, Background, Bytes, colour_table, is_categorical
 from app.render.ticks import label_ticks, round_ticks
 
 INK: dict[Background, str] = {"light": "#25303a", "dark": "#dfe6ec"}
+ANSWERS: dict[FieldKind, tuple[tuple[int, str], ...]] = {
+    "flag": ((0, "no"), (255, "yes")),
+    "verdict": ((0, "no"), (1, "yes"), (2, "unsure")),
+}
+"""Rows of the colour table that stand for an answer, in the order of the values."""
 SIGN_NOTE = "negative: towards facing the beam · positive: towards edge-on"
 
 
@@ -96,13 +102,15 @@ def _draw_bar(figure: Any, bar: ColourBar, size: tuple[int, int], style: dict[st
 
 
 def _scale_of(bar: ColourBar) -> tuple[Bytes, tuple[float, float], list[float], list[str]]:
-    if bar.kind == "flag":
-        return colour_table(bar.map)[[0, 255]], (-0.5, 1.5), [0.0, 1.0], ["no", "yes"]
+    if bar.kind in ANSWERS:
+        rows, texts = zip(*ANSWERS[bar.kind], strict=True)
+        places = [float(place) for place in range(len(rows))]
+        return colour_table(bar.map)[list(rows)], (-0.5, places[-1] + 0.5), places, list(texts)
     if is_categorical(bar.map):
         first, last = round(bar.low), min(round(bar.high), round(bar.low) + 23)
         numbers = list(range(first, last + 1))
         shown = [float(i) for i in numbers[:: max(1, len(numbers) // 8)]]
-        rows = colour_table(bar.map)[[i % 256 for i in numbers]]
-        return rows, (first - 0.5, last + 0.5), shown, [f"{i:.0f}" for i in shown]
+        colours = colour_table(bar.map)[[i % 256 for i in numbers]]
+        return colours, (first - 0.5, last + 0.5), shown, [f"{i:.0f}" for i in shown]
     ticks = round_ticks(bar.low, bar.high)
     return colour_table(bar.map), (bar.low, bar.high), ticks, label_ticks(ticks)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -128,17 +128,7 @@ def trace_beams(
             f"The scene {scene.name} is made for {scene.wavelengths_nm} nm, "
             f"{instrument.title} measures {instrument.wavelengths_nm} nm."
         )
-    place = np.array(origin, np.float64)
-    corners = widen(enclose(scene), instrument.bundle, place)
-    tables = (
-        tabulate_surfaces(scene),
-        plant_tree(*corners, split=hierarchy),
-        tabulate_optics(scene),
-        tabulate_beam(instrument),
-        place,
-        grid.elevation,
-        grid.azimuth,
-    )
+    tables = _tabulate(scene, grid, instrument, np.array(origin, np.float64), hierarchy)
     found: dict[int, ReturnTable] = {}
 
     def trace_band(first: int, end: int) -> None:
@@ -147,9 +137,28 @@ def trace_beams(
         count, waves = trace(*tables, (first, end), noise, room)
         found[first] = _cut(room, count, waves)
 
+    # Compiled here, the first time, where a cancel of the command line can reach it.
+    progress.report(0.0, "Preparing the virtual scanner")
+    trace_band(0, 0)
     borders = np.append(np.arange(0, grid.rows, BAND), grid.rows)
     run_in_pieces(trace_band, borders, progress, f"Scanning {scene.name}")
     return _join([found[first] for first in sorted(found)], instrument)
+
+
+def _tabulate(
+    scene: Scene, grid: BeamGrid, instrument: Instrument, origin: Floats, hierarchy: bool
+) -> tuple[Any, ...]:
+    """What the tracer gets of everything that it does not write to."""
+    corners = widen(enclose(scene), instrument.bundle, origin)
+    return (
+        tabulate_surfaces(scene),
+        plant_tree(*corners, split=hierarchy),
+        tabulate_optics(scene),
+        tabulate_beam(instrument),
+        origin,
+        grid.elevation,
+        grid.azimuth,
+    )
 
 
 def _waveform(instrument: Instrument) -> Waveform | None:

@@ -65,6 +65,7 @@ def run_simulation(
     beams = grid.directions_of(echoes.cell)
     xyz = np.array(origin) + (echoes.distance + sigma * noise)[:, None] * beams
     attributes = _name_values(instrument, recorded) | tell_truth(scene, echoes, sigma)
+    attributes |= _name_deviations(instrument, recorded)
     if not isinstance(instrument.ranging, PhaseShift) and instrument.ranging.pick == "all":
         attributes |= number_returns(echoes.cell)
     scan = Scan(
@@ -125,13 +126,16 @@ def name_channels(instrument: Instrument) -> tuple[Channel, ...]:
 
 
 def _name_values(instrument: Instrument, recorded: Recorded) -> dict[str, AnyArray]:
-    values: dict[str, AnyArray] = {}
-    for k, channel in enumerate(name_channels(instrument)):
-        values[channel.attribute] = recorded.values[:, k].astype(np.float32)
-        values[f"truth_sigma_{channel.attribute}"] = recorded.sigma[:, k].astype(np.float32)
+    names = [channel.attribute for channel in name_channels(instrument)]
+    return {name: recorded.values[:, k].astype(np.float32) for k, name in enumerate(names)}
+
+
+def _name_deviations(instrument: Instrument, recorded: Recorded) -> dict[str, AnyArray]:
+    names = [f"truth_sigma_{channel.attribute}" for channel in name_channels(instrument)]
+    found = {name: recorded.sigma[:, k].astype(np.float32) for k, name in enumerate(names)}
     if instrument.detector.kind == "DN":
-        values["truth_saturated"] = np.any(recorded.saturated, axis=1).astype(np.uint8)
-    return values
+        found["truth_saturated"] = np.any(recorded.saturated, axis=1).astype(np.uint8)
+    return found
 
 
 def _describe(scene: Scene, instrument: Instrument, seed: int) -> dict[str, str]:

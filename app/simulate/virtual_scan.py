@@ -2,19 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import msgspec
 
 from app.core.progress import QUIET, Progress
+from app.simulate.beam import BeamGrid
 from app.simulate.instrument import Instrument, get_instrument, read_instrument
 from app.simulate.scene_building import build_scene, lay_grid
 from app.simulate.scene_file import SceneFile, get_scene, read_scene
 from app.simulate.simulation import Simulation, run_simulation
+from app.simulate.surfaces import Scene
 
 Noise = Literal["none", "white", "filtered"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setup:
+    """All that a scan needs, ready to run."""
+
+    file: SceneFile
+    instrument: Instrument
+    scene: Scene
+    grid: BeamGrid
+
+    @property
+    def beams(self) -> int:
+        """Number of beams."""
+        return self.grid.rows * self.grid.columns
+
+    def scan(self, keep_waveforms: bool = False, progress: Progress = QUIET) -> Simulation:
+        """Send out all beams."""
+        place, seed = self.file.position, self.file.seed
+        return run_simulation(
+            self.scene, self.grid, self.instrument, place, seed, progress, keep_waveforms
+        )
 
 
 def simulate(
@@ -58,9 +82,14 @@ def simulate(
     tool = instrument or known.instrument
     tool = tool if isinstance(tool, Instrument) else find_instrument(tool)
     tool = tool if noise is None else set_noise(tool, noise)
-    built = build_scene(known, tool.wavelengths_nm)
-    grid = lay_grid(known, built, step_deg or known.step_deg or tool.step_deg)
-    return run_simulation(built, grid, tool, known.position, known.seed, progress, keep_waveforms)
+    return arrange(known, tool, step_deg).scan(keep_waveforms, progress)
+
+
+def arrange(scene: SceneFile, instrument: Instrument, step_deg: float | None = None) -> Setup:
+    """Build a scene and lay the beams; raises as `simulate` does."""
+    built = build_scene(scene, instrument.wavelengths_nm)
+    grid = lay_grid(scene, built, step_deg or scene.step_deg or instrument.step_deg)
+    return Setup(scene, instrument, built, grid)
 
 
 def find_scene(name: Path | str) -> SceneFile:

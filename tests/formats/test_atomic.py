@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.core.errors import BadInput, Cancelled
-from app.formats.atomic import atomic_files, atomic_path
+from app.formats.atomic import atomic_files, atomic_path, refuse_target
 
 
 def test_new_file_appears_after_the_block(tmp_path: Path) -> None:
@@ -138,3 +138,13 @@ def test_one_that_cannot_be_renamed_takes_the_others_back(
     with pytest.raises(BadInput, match=r"a\.ptx could not be written: Permission denied"):
         write_together(tmp_path, "new")
     assert contents(tmp_path) == before
+
+
+def test_a_folder_without_permission_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Root may write anywhere, so the system is made to say no.
+    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
+    with pytest.raises(BadInput, match="may not write"):
+        refuse_target(tmp_path / "a.laz", overwrite=False)
+    refuse_target(tmp_path / "later" / "a.laz", overwrite=False, folder_follows=True)

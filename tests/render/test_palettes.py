@@ -71,3 +71,10 @@ def test_missing_values_are_seen_on_the_background(background: str) -> None:
     missing = lightness(np.array(MISSING[background], float))
     for colour in BACKGROUNDS[background]:
         assert abs(missing - lightness(np.array(colour, float))) > 15
+
+
+def test_a_verdict_has_a_colour_per_answer() -> None:
+    no, yes, unsure = colours(np.array([0.0, 1.0, 2.0]), 0, 2, "verdict").tolist()
+    flag = colour_table("flag").tolist()
+    assert (no, yes) == (flag[0], flag[255])
+    assert unsure not in (no, yes)

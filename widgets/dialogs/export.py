@@ -31,6 +31,7 @@ FORMATS = {
     ".laz": "LAZ: compressed LAS, all fields as extra bytes",
     ".las": "LAS: all fields as extra bytes",
     ".e57": "E57: with pose and grid",
+    ".ptx": "PTX: text, one line per cell of the grid",
     ".ply": "PLY: binary",
     ".csv": "CSV: text, one row per point",
     ".npz": "NPZ: arrays for Python",

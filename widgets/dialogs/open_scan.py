@@ -42,6 +42,13 @@ class FileDialogs(QObject):
         dialog.filesSelected.connect(take)
         dialog.open()
 
+    def ask_scene(self, then: Callable[[Path], object], parent: QWidget | None = None) -> None:
+        """Ask for a scene to simulate."""
+        dialog = self._dialog(self.tr("A scene to simulate"), ["TOML (*.toml)"], parent)
+        dialog.setFileMode(Mode.ExistingFile)
+        dialog.fileSelected.connect(lambda name: then(Path(name)))
+        dialog.open()
+
     def ask_save(
         self, suggested: Path, then: Callable[[Path], object], parent: QWidget | None = None
     ) -> None:

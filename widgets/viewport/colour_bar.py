@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.core.arrays import AnyArray, Floats
 from app.model.scene import ColourBar
-from app.render.legend import INK, title_of
+from app.render.legend import ANSWERS, INK, title_of
 from app.render.palettes import Background, colour_table, is_categorical, table_rows
 from app.render.ticks import label_ticks, round_ticks
 from widgets.viewport.histogram import Histogram, count_values
@@ -113,7 +113,7 @@ class ColourBarWidget(QWidget):
 
     def _adjustable(self) -> bool:
         return self._bar is not None and not (
-            self._bar.kind == "flag" or is_categorical(self._bar.map)
+            self._bar.kind in ANSWERS or is_categorical(self._bar.map)
         )
 
     def _title_height(self) -> float:
@@ -190,7 +190,7 @@ class ColourBarWidget(QWidget):
         painter.setPen(ink)
         room = QRectF(0.5 * em, 0.7 * em, self.width() - em, self._title_height() + 2)
         painter.drawText(room, Qt.TextFlag.TextWordWrap, self._title())
-        if self._bar.kind == "flag":
+        if self._bar.kind in ANSWERS:
             self._paint_answers(painter, self._bar, ink)
         elif is_categorical(self._bar.map):
             self._paint_colours(painter, colour_table(self._bar.map)[1:9])
@@ -238,11 +238,12 @@ class ColourBarWidget(QWidget):
     def _paint_answers(self, painter: QPainter, bar: ColourBar, ink: QColor) -> None:
         em = QFontMetricsF(self.font()).height()
         table, top = colour_table(bar.map), self.scale_rect().top()
-        for i, (row, text) in enumerate(((0, self.tr("no")), (255, self.tr("yes")))):
+        for i, (row, text) in enumerate(ANSWERS[bar.kind]):
             box = QRectF(0.7 * em, top + 1.7 * em * i, em, em)
             painter.fillRect(box, QColor(*(int(part) for part in table[row])))
             painter.setPen(ink)
-            painter.drawText(QPointF(box.right() + 0.6 * em, box.bottom() - 0.2 * em), text)
+            place = QPointF(box.right() + 0.6 * em, box.bottom() - 0.2 * em)
+            painter.drawText(place, self.tr(text))
 
     def _paint_colours(self, painter: QPainter, colours: AnyArray) -> None:
         em = QFontMetricsF(self.font()).height()

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
 from app.model.scene import ColourBar
-from app.render.palettes import colour_table
+from app.render.palettes import VERDICT, colour_table
 from widgets.viewport.colour_bar import ColourBarWidget
 from widgets.viewport.histogram import count_values
 
@@ -73,7 +73,7 @@ def test_the_strip_shows_the_colours_of_its_values(bar: ColourBarWidget) -> None
 
 
 def test_flags_and_classes_have_no_handles(bar: ColourBarWidget) -> None:
-    for kind, name in (("flag", "flag"), ("class", "leaves")):
+    for kind, name in (("flag", "flag"), ("class", "leaves"), ("verdict", "verdict")):
         bar.show_bar(ColourBar("f", "F", "", kind, name, 0.0, 1.0), np.array([0.0, 1.0]))
         seen: list[object] = []
         bar.limits_changed.connect(lambda *limits, seen=seen: seen.append(limits))
@@ -99,3 +99,12 @@ def test_histogram_counts_what_is_there() -> None:
 
 def test_histogram_of_nothing_is_empty() -> None:
     assert len(count_values(np.full(5, np.nan), 0.0, 1.0).heights) == 0
+
+
+def test_a_verdict_shows_its_three_answers(bar: ColourBarWidget) -> None:
+    bar.show_bar(ColourBar("f", "F", "", "verdict", "verdict", 0.0, 2.0), np.array([0.0, 1.0, 2.0]))
+    image = bar.grab().toImage()
+    shown = {
+        image.pixelColor(x, y).name() for x in range(image.width()) for y in range(image.height())
+    }
+    assert set(VERDICT) <= shown
