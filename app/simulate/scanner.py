@@ -176,56 +176,53 @@ def _draw_waveform_noise(instrument: Instrument, beams: int, seed: tuple[int, in
 
 
 def _make_room(beams: int, instrument: Instrument, keep_waveforms: bool) -> ReturnTable:
-    from app.core.kernels.beams import ReturnTable
-    from app.core.kernels.echoes import COMPONENTS
+    from app.core.kernels import beams as kernel
 
     ranging, channels = instrument.ranging, len(instrument.wavelengths_nm)
     most = ranging.most if isinstance(ranging, Pulsed) and ranging.pick == "all" else 1
     wave, rows = _waveform(instrument) if keep_waveforms else None, beams * most
-    return ReturnTable(
-        np.empty(rows, np.int64),
-        np.empty((rows, 5)),
-        np.empty((rows, 3)),
-        np.empty((rows, channels)),
-        np.full((rows, COMPONENTS), -1, np.int32),
-        np.zeros((rows, COMPONENTS)),
-        np.empty(rows, np.int32),
+    return kernel.ReturnTable(
+        np.empty((rows, kernel.ENERGY + channels)),
+        np.zeros((rows, kernel.WAVE + 1), np.int64),
         np.empty((beams if wave else 0, channels, wave.samples if wave else 0), np.float32),
         np.empty(beams if wave else 0),
-        np.zeros(rows, np.int64),
     )
 
 
 def _cut(room: ReturnTable, count: int, waves: int) -> ReturnTable:
     """The rows that were filled, so that a band holds no more memory than its returns."""
-    of_returns = ("cell", "range", "normal", "energy", "surface", "share", "touched")
-    kept = {name: getattr(room, name)[:count].copy() for name in (*of_returns, "wave_of")}
-    kept |= {name: getattr(room, name)[:waves].copy() for name in ("wave", "wave_start")}
-    return room._replace(**kept)
+    return room._replace(
+        values=room.values[:count].copy(),
+        labels=room.labels[:count].copy(),
+        wave=room.wave[:waves].copy(),
+        wave_start=room.wave_start[:waves].copy(),
+    )
 
 
 def _join(bands: list[ReturnTable], instrument: Instrument) -> Echoes:
-    def column(name: str) -> AnyArray:
-        return np.concatenate([getattr(band, name) for band in bands])
+    from app.core.kernels import beams as kernel
 
-    distance, off, shift, _, incidence = column("range").T
+    values = np.concatenate([band.values for band in bands])
+    labels = np.concatenate([band.labels for band in bands])
     wave, waveforms = _waveform(instrument), None
     if wave is not None and bands[0].wave.shape[2]:
         before = np.cumsum([0, *(len(band.wave) for band in bands[:-1])])
-        of_return = [b.wave_of + start for b, start in zip(bands, before, strict=True)]
         waveforms = Waveforms(
-            column("wave"), column("wave_start"), wave.step, np.concatenate(of_return)
+            np.concatenate([band.wave for band in bands]),
+            np.concatenate([band.wave_start for band in bands]),
+            wave.step,
+            labels[:, kernel.WAVE] + np.repeat(before, [len(band.labels) for band in bands]),
         )
     return Echoes(
-        column("cell"),
-        distance,
-        off,
-        shift,
-        incidence,
-        column("normal"),
-        column("energy"),
-        column("surface"),
-        column("share"),
-        column("touched"),
-        waveforms,
+        cell=labels[:, kernel.CELL],
+        distance=values[:, kernel.DISTANCE],
+        off_surface=values[:, kernel.OFF],
+        shift=values[:, kernel.SHIFT],
+        incidence=values[:, kernel.OMEGA],
+        normal=values[:, kernel.NORMAL : kernel.SHARE],
+        energy=values[:, kernel.ENERGY :],
+        surface=labels[:, kernel.SURFACE : kernel.TOUCHED].astype(np.int32),
+        share=values[:, kernel.SHARE : kernel.ENERGY],
+        touched=labels[:, kernel.TOUCHED],
+        waveforms=waveforms,
     )

@@ -30,19 +30,19 @@ ZERO = np.int64(0)
 """A bare 0 would have every function that gets it compiled once more, for this very number."""
 
 
+# Columns of `ReturnTable.values` and `labels`: two arrays are handed on faster than ten.
+DISTANCE, OFF, SHIFT, OMEGA, NORMAL, SHARE, ENERGY = 0, 1, 2, 3, 4, 7, 10
+CELL, SURFACE, TOUCHED, WAVE = 0, 1, 4, 5
+
+
 class ReturnTable(NamedTuple):
     """Room for the returns of a band, one row each; −1 and 0 where a component is missing."""
 
-    cell: Any  # (m,) row · columns + column
-    range: Any  # (m, 5): reported, off every surface, shift, distance of the main surface, ω
-    normal: Any  # (m, 3)
-    energy: Any  # (m, channels): reflectance × share, for the reported range
-    surface: Any  # (m, COMPONENTS)
-    share: Any  # (m, COMPONENTS)
-    touched: Any  # (m,) surfaces that the return is made of
+    values: Any  # (m, 10 + channels): reported range, off every surface, shift, ω; normal;
+    # shares of the components; energies as reflectance × share, for the reported range
+    labels: Any  # (m, 6) int64: cell, surfaces of the components, how many there are, waveform
     wave: Any  # (w, channels, samples); no rows where waveforms are not kept
     wave_start: Any  # (w,) range of the first sample
-    wave_of: Any  # (m,) row of `wave`
 
 
 @njit(**INNER)
@@ -69,35 +69,34 @@ def central_ray(hits, echoes, span, surface):  # type: ignore[no-untyped-def]
 def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # type: ignore[no-untyped-def]
     """Row m of the table: the return made of a span of sub-rays, reported at `distance`."""
     axes, column, count = ray
-    met = echoes.met
+    met, touched, subrays = echoes.met, echoes.touched, beam.subrays
+    values, labels = out.values, out.labels
     found = list_surfaces(hits, beam, echoes, (ZERO, count))
     off = distance_off(met, found, distance)
     if span[1] - span[0] < count:
         found = list_surfaces(hits, beam, echoes, span)
     sort_surfaces(echoes, found)
-    for i in range(min(found, COMPONENTS)):
-        out.surface[m, i] = echoes.touched[i]
-        out.share[m, i] = met[i, 0]
-    out.touched[m] = found
-    k = central_ray(hits, echoes, span, echoes.touched[0])
-    offset = (beam.subrays[0, k], beam.subrays[1, k])
-    o, d = split(axes, (beam.exit_radius, beam.spread), offset[0], offset[1])
-    n = face_normal(table, echoes.touched[0], column, (o, d, hits.distance[k]))
-    main = met[0, 3] / met[0, 0]
+    for i in range(COMPONENTS):
+        labels[m, SURFACE + i] = touched[i] if i < found else -1
+        values[m, SHARE + i] = met[i, 0] if i < found else 0.0
+    labels[m, TOUCHED] = found
+    k = central_ray(hits, echoes, span, touched[0])
+    o, d = split(axes, (beam.exit_radius, beam.spread), subrays[0, k], subrays[1, k])
+    n = face_normal(table, touched[0], column, (o, d, hits.distance[k]))
+    values[m, NORMAL], values[m, NORMAL + 1], values[m, NORMAL + 2] = n
     # arccos would lose half of the digits near 0°.
     across = cross(n, d)
-    angle = math.atan2(math.sqrt(dot(across, across)), abs(dot(n, d)))
-    for axis in range(3):
-        out.normal[m, axis] = n[axis]
-    for place, value in enumerate((distance, off, distance - main, main, angle)):
-        out.range[m, place] = value
+    values[m, OMEGA] = math.atan2(math.sqrt(dot(across, across)), abs(dot(n, d)))
+    values[m, DISTANCE], values[m, OFF] = distance, off
+    values[m, SHIFT] = distance - met[0, 3] / met[0, 0]
 
 
 @njit(**INNER)
 def write_energy(out, m, total, scale):  # type: ignore[no-untyped-def]
     """Energies of row m."""
+    values = out.values
     for c in range(len(total)):
-        out.energy[m, c] = total[c] * scale
+        values[m, ENERGY + c] = total[c] * scale
 
 
 @njit(**INNER)
@@ -185,9 +184,11 @@ def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, ou
                     if m > first and len(out.wave) > 0:
                         out.wave[waves] = wave
                         out.wave_start[waves] = start
-                        out.wave_of[first:m] = waves
+                        for i in range(first, m):
+                            out.labels[i, WAVE] = waves
                         waves += 1
                 else:
                     m = write_pulses(out, m, table, beam, ray, hits, echoes, spans)
-            out.cell[first:m] = row * columns + column
+            for i in range(first, m):
+                out.labels[i, CELL] = row * columns + column
     return m, waves
