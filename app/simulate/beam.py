@@ -14,6 +14,9 @@ from app.core.arrays import Floats, Ints
 from app.core.errors import WrongUse
 from app.core.units import to_radians
 
+GOLDEN = float(np.pi * (3 - np.sqrt(5)))
+"""Radians: the angle from seed to seed of a sunflower."""
+
 
 @dataclass(frozen=True, slots=True)
 class BeamGrid:
@@ -62,34 +65,32 @@ class Bundle:
         Metres.
     half_divergence : float
         Radians, half angle.
-    rings : int
-        Rings of sub-rays around the central one: 3 give 37 sub-rays.
+    rays : int
+        Sub-rays, one or more.
     """
 
     exit_diameter: float = 0.003
     half_divergence: float = float(np.deg2rad(0.014))
-    rings: int = 3
+    rays: int = 37
 
     def radius(self, distance: float) -> float:
         """Radius of the beam at a distance, metres."""
         return float(self.exit_diameter / 2 + distance * np.tan(self.half_divergence))
 
     def subrays(self) -> Floats:
-        """Offsets and shares, (1 + 3 n (n + 1), 3), the central sub-ray first.
+        """Offsets and shares, (rays, 3), from the middle outwards.
 
-        Offsets are in units of the beam's radius; each sub-ray stands for an equal area of
-        the disc and carries the Gaussian's energy exp(-2 s²) there. The shares sum to 1.
+        Offsets are in units of the beam's radius, on a sunflower's spiral: each sub-ray stands
+        for an equal area of the disc and carries the Gaussian's energy exp(-2 s²) there, and no
+        straight edge meets many at once. The first is the beam's axis. The shares sum to 1.
         """
-        count = 1 + 3 * self.rings * (self.rings + 1)
-        offsets = [np.zeros((1, 2))]
-        for ring in range(1, self.rings + 1):
-            inner, outer = (1 + 3 * r * (r + 1) for r in (ring - 1, ring))
-            angle = 2 * np.pi * (np.arange(6 * ring) + 0.5 * (ring % 2)) / (6 * ring)
-            radius = np.sqrt((inner + outer) / 2 / count)
-            offsets.append(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
-        places = np.vstack(offsets)
-        share = np.exp(-2 * (places**2).sum(axis=1))
-        return np.column_stack([places, share / share.sum()])
+        number = np.arange(self.rays)
+        radius = np.sqrt((number + 0.5) / self.rays)
+        angle = GOLDEN * number
+        share = np.exp(-2 * radius**2)
+        radius[0] = 0.0
+        places = (radius * np.cos(angle), radius * np.sin(angle))
+        return np.column_stack([*places, share / share.sum()])
 
 
 def angles_of(points: Floats, origin: Floats) -> tuple[Floats, Floats]:

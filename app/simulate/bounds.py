@@ -8,7 +8,7 @@ import numpy as np
 
 from app.core.arrays import Floats
 from app.simulate.beam import Bundle
-from app.simulate.surfaces import Leaf, Scene
+from app.simulate.surfaces import Leaf, Scene, stack_frames
 
 if TYPE_CHECKING:
     from app.core.kernels.boxes import TreeTable
@@ -22,7 +22,7 @@ def enclose(scene: Scene) -> tuple[Floats, Floats]:
 
     Leaves, then stems, then walls; the room in which a leaf sways is part of its box.
     """
-    boxes = [_enclose_leaf(leaf) for leaf in scene.leaves]
+    boxes = []
     for stem in scene.stems:
         ends = np.array([stem.start, stem.end], float)
         boxes.append((ends.min(axis=0) - stem.radius, ends.max(axis=0) + stem.radius))
@@ -30,16 +30,19 @@ def enclose(scene: Scene) -> tuple[Floats, Floats]:
         half = np.abs(np.array([wall.across, wall.up], float)).sum(axis=0)
         boxes.append((np.array(wall.centre) - half, np.array(wall.centre) + half))
     corners = np.array(boxes, float).reshape(-1, 2, 3)
-    return corners[:, 0], corners[:, 1]
+    low, high = _enclose_leaves(scene.leaves)
+    return np.concatenate([low, corners[:, 0]]), np.concatenate([high, corners[:, 1]])
 
 
-def _enclose_leaf(leaf: Leaf) -> tuple[Floats, Floats]:
-    low, high = leaf.slab()
-    frame = np.abs(leaf.frame())
-    across = leaf.width / 2 * (1 + abs(leaf.taper))
-    half = frame[0] * leaf.length / 2 + frame[1] * across + frame[2] * max(-low, high)
-    half = half + np.abs(leaf.sway)
-    return np.array(leaf.centre) - half, np.array(leaf.centre) + half
+def _enclose_leaves(leaves: tuple[Leaf, ...]) -> tuple[Floats, Floats]:
+    sizes = [
+        (s.length / 2, s.width / 2 * (1 + abs(s.taper)), max(map(abs, s.slab()))) for s in leaves
+    ]
+    size = np.array(sizes, float).reshape(-1, 3, 1)
+    half = (np.abs(stack_frames(leaves)) * size).sum(axis=1)
+    half += np.abs(np.array([s.sway for s in leaves], float).reshape(-1, 3))
+    centre = np.array([s.centre for s in leaves], float).reshape(-1, 3)
+    return centre - half, centre + half
 
 
 def widen(corners: tuple[Floats, Floats], bundle: Bundle, origin: Floats) -> tuple[Floats, Floats]:

@@ -47,7 +47,7 @@ class Beam(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     half_divergence_mrad: float | None = None
     full_divergence_deg: float | None = None
     half_divergence_deg: float | None = None
-    rings: Annotated[int, msgspec.Meta(ge=0, le=30)] = 3
+    rays: Annotated[int, msgspec.Meta(ge=1, le=5000)] = 37
 
     def build(self) -> Bundle:
         given = {
@@ -63,7 +63,7 @@ class Beam(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 f"A beam cannot diverge by {half * 1000:g} mrad (half angle).",
                 "Give 0 to 100 mrad; mind the unit, and full or half angle.",
             )
-        return Bundle(self.exit_diameter_mm / MM_PER_M, half, self.rings)
+        return Bundle(self.exit_diameter_mm / MM_PER_M, half, self.rays)
 
 
 class PhaseShiftTable(

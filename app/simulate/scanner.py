@@ -60,11 +60,12 @@ class Echoes:
     cell : (n,) row · columns + column
     distance : (n,) range that the scanner reports, metres
     off_surface : (n,) from there to the nearest surface touched, metres
-    shift : (n,) reported range minus that of the surface with the largest share, metres
+    shift : (n,) reported range minus the energy-weighted one of the main surface, metres
     incidence : (n,) angle there, at the sub-ray nearest to the beam's centre, radians
     normal : (n, 3) unit normal of the facet there, facing the scanner
     energy : (n, channels) reflectance × share, for the reported range
-    surface, share : (n, 3) surfaces and their shares of the beam, largest first; −1 and 0
+    surface, share : (n, 3) surfaces and their shares of the beam; −1 and 0. The main surface,
+        the one that sends back most in the ranging channel, comes first, and so on
     touched : (n,) how many surfaces the return is made of
     waveforms : Waveforms or None
     """

@@ -76,12 +76,8 @@ class Leaf:
 
     def frame(self) -> Floats:
         """Rows along, across, normal: (3, 3), orthonormal."""
-        normal = np.asarray(self.normal, float)
-        normal = normal / np.linalg.norm(normal)
-        along = np.asarray(self.along, float)
-        along = along - normal * (along @ normal)
-        along /= np.linalg.norm(along)
-        return np.vstack([along, np.cross(normal, along), normal])
+        frame: Floats = stack_frames((self,))[0]
+        return frame
 
     def radius(self) -> float:
         """Radius of a circle in the leaf's plane that holds its outline."""
@@ -103,6 +99,16 @@ class Leaf:
         bend = (1 - np.sqrt(1 - edge**2)) / self.curvature if self.curvature else 0.0
         reach = abs(self.wrinkle_height) + SLAB_MARGIN
         return min(bend, 0.0) - reach, max(bend, 0.0) + reach
+
+
+def stack_frames(leaves: tuple[Leaf, ...]) -> Floats:
+    """Frames of many leaves, (n, 3, 3): rows along, across, normal, orthonormal."""
+    along = np.array([leaf.along for leaf in leaves], float).reshape(-1, 3)
+    normal = np.array([leaf.normal for leaf in leaves], float).reshape(-1, 3)
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    along = along - normal * (along * normal).sum(axis=1, keepdims=True)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    return np.stack([along, np.cross(normal, along), normal], axis=1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from app.core.phase import get_model
 from app.simulate.instrument import Instrument
 from app.simulate.material import Sheen
 from app.simulate.ranging import PhaseShift, count_octaves
-from app.simulate.surfaces import Leaf, Scene, Stem, Wall
+from app.simulate.surfaces import Leaf, Scene, Stem, Wall, stack_frames
 
 if TYPE_CHECKING:
     from app.core.kernels.echoes import BeamTable, OpticsTable
@@ -94,7 +94,7 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
     if isinstance(ranging, PhaseShift):
         waves = np.array(ranging.wavelengths, float)
         octaves = count_octaves(ranging.wavelengths)
-        return echoes.BeamTable(*shape, waves, octaves, 0.0, 0.0, 1, 0, 0.0, 0.0, 0.0)
+        return echoes.BeamTable(*shape, waves, octaves, 0.0, 0.0, 0.0, 1, 0, 0.0, 0.0, 0.0)
     pick = {
         "first": echoes.FIRST,
         "strongest": echoes.STRONGEST,
@@ -109,6 +109,7 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
         np.empty(0, np.int64),
         ranging.blend,
         ranging.least,
+        instrument.receiver.threshold,
         ranging.most if ranging.pick == "all" else 1,
         pick,
         ranging.pulse,
@@ -127,7 +128,7 @@ def _tabulate_leaves(leaves: tuple[Leaf, ...]) -> LeafTable:
     outlines = [(s.length / 2, s.width / 2, s.taper, s.lobes, s.lobe_depth) for s in leaves]
     return LeafTable(
         _stack([s.centre for s in leaves], 3),
-        np.array([s.frame() for s in leaves], float).reshape(-1, 3, 3),
+        stack_frames(leaves),
         _stack(outlines, 5),
         _stack(bends, 3),
         _stack(waves, 5),

@@ -21,15 +21,18 @@ def tell_truth(scene: Scene, echoes: Echoes, sigma_range: Floats) -> dict[str, A
     Returns
     -------
     dict of str to (n,) array
-        - ``truth_leaf`` int32, −1 on stems and walls: leaf of the surface with the largest share;
+        - ``truth_leaf`` int32, −1 on stems and walls: leaf of the main surface, the one that sends
+          back most in the ranging channel;
         - ``truth_incidence`` degrees, there;
         - ``truth_normal_x``, ``_y``, ``_z`` unit normal of the facet there, facing the scanner;
-        - ``truth_surface``, ``truth_surface_2``, ``_3`` int32 surfaces of the components, −1 none;
+        - ``truth_surface``, ``truth_surface_2``, ``_3`` int32 surfaces of the components, main
+          first, −1 none;
         - ``truth_hit_fraction``, ``truth_hit_fraction_2``, ``_3`` their shares of the beam;
         - ``truth_components`` how many surfaces the return is made of (more than three happen);
         - ``truth_range`` that the instrument would report without noise, metres;
         - ``truth_distance`` from there to the nearest surface that the beam touched, metres;
-        - ``truth_range_shift``, truth_range minus the range of the surface with the largest share;
+        - ``truth_range_shift``, truth_range minus the energy-weighted range of the main
+          surface, metres;
         - ``truth_ghost`` 1: truth_distance > 6 mm; 2: unsure, 2 to 6 mm; 0: on a surface;
         - ``truth_rho_<nm>`` reflectance of the surface at ω = 0, ``truth_reflectance_<nm>`` at
           truth_incidence, for a full hit;

@@ -74,7 +74,7 @@ def test_widening_grows_with_the_distance_to_the_far_side():
 @pytest.mark.parametrize("name", ["branch", "crown", "shoot", "leaf_frame", "panels"])
 def test_the_hierarchy_changes_nothing(name):
     scene_file = get_scene(name)
-    tool = replace(get_instrument("two_colour"), bundle=Bundle(rings=2))
+    tool = replace(get_instrument("two_colour"), bundle=Bundle(rays=19))
     scene = build_scene(scene_file, tool.wavelengths_nm)
     grid = lay_grid(scene_file, scene, 0.6 if name == "crown" else 0.15)
     plain, clever = (
@@ -89,7 +89,7 @@ def test_the_hierarchy_changes_nothing(name):
 def test_a_swaying_leaf_stays_in_its_box_and_moves_with_the_columns():
     still = Leaf((2.0, 0.0, 0.0), (0, 0, 1), (-1, 0, 0), 0.08, 0.05, get_leaf(), 0.3)
     sways = replace(still, sway=(0.0, 0.01, 0.0), sway_rate=0.5, sway_phase=0.2)
-    tool = replace(get_instrument("two_colour"), bundle=Bundle(0, 0, rings=0))
+    tool = replace(get_instrument("two_colour"), bundle=Bundle(0, 0, rays=1))
     grid = grid_of_field(0.02, (-1.5, 1.5), (-1.5, 1.5))
     echoes = trace_beams(Scene("wind", (sways,)), grid, tool, (0.0, 0.0, 0.0))
     column = echoes.cell % grid.columns

@@ -15,7 +15,7 @@ from app.simulate.surfaces import Scene, Wall
 
 HERE = (0.0, 0.0, 0.0)
 ONE_BEAM = BeamGrid(0.0, 0.0, 0.01, 1, 1)
-BUNDLE = Bundle(rings=3)
+BUNDLE = Bundle()
 
 
 def steps(distances, edges, rho):
@@ -105,12 +105,13 @@ def test_waveforms_and_their_returns_are_those_of_the_plain_sums(scene, noise):
     assert (waves.of_return == 0).all()
 
 
-def test_components_are_listed_by_share_and_add_up():
+def test_components_are_listed_by_what_they_send_back():
     scene = steps([2.0, 3.5, 5.0, 9.0], [-0.6, -0.1, 0.4, 2], [0.5, 0.4, 0.6, 0.9])
     echoes = trace(scene, PhaseShift())
     plain = plain_echoes(scene)
     shares = {d: plain[plain[:, 0] == d, 3].sum() for d in (2.0, 3.5, 5.0, 9.0)}
-    ranked = sorted(shares.items(), key=lambda item: -item[1])
+    rho = {2.0: 0.5, 3.5: 0.4, 5.0: 0.6, 9.0: 0.9}
+    ranked = sorted(shares.items(), key=lambda item: -item[1] * rho[item[0]] / item[0] ** 2)
     order = [(2.0, 3.5, 5.0, 9.0).index(distance) for distance, _ in ranked]
     np.testing.assert_array_equal(echoes.surface[0], order[:3])
     np.testing.assert_allclose(echoes.share[0], [share for _, share in ranked[:3]])

@@ -233,7 +233,7 @@ def test_a_divergence_may_be_full_or_half_in_either_unit(tmp_path, key, value):
             "half_divergence_deg = 14",
             "[beam]: A beam cannot diverge",
         ),
-        ("[beam]", "[beam]\nrings = 99", "beam.rings"),
+        ("[beam]", "[beam]\nrays = 0", "beam.rays"),
         ('kind = "phase-shift"', 'kind = "phase"', "ranging.kind"),
         ("[153.6, 9.6, 1.2]", "[153.6, 10, 1.2]", "[ranging]"),
         ("intensity_noise = 0.02", "", "receiver.intensity_noise"),

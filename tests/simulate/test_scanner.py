@@ -18,7 +18,7 @@ from app.simulate.simulation import scan_scene
 from app.simulate.surfaces import Leaf, Scene, Stem, Wall
 
 SILENT = replace(get_instrument("two_colour"), receiver=Receiver())
-THIN = replace(SILENT, bundle=Bundle(0.0, 0.0, rings=0))
+THIN = replace(SILENT, bundle=Bundle(0.0, 0.0, rays=1))
 BLACK = (matt(0.0), matt(0.0))
 HERE = (0.0, 0.0, 0.0)
 
@@ -66,7 +66,7 @@ def half_plane(edge):
 
 @pytest.mark.parametrize("offset", [-0.6, -0.3, 0.02, 0.25, 0.55])
 def test_share_of_a_beam_on_an_edge(offset):
-    bundle = Bundle(rings=20)
+    bundle = Bundle(rays=1261)
     grid = replace(grid_of_field(1.0, (-1, 1), (-1, 1)), top=0.0, left=0.0, rows=1, columns=1)
     edge = offset * bundle.radius(3.0)
     echoes = trace_beams(half_plane(edge), grid, with_bundle(bundle), HERE)
@@ -83,7 +83,7 @@ def test_beam_on_two_surfaces_reports_the_phase_of_both():
     back = Wall((3.2, 0.0, 0.0), (0, 2.0, 0), (0, 0, 2.0), MATT)
     grid = replace(grid_of_field(1.0, (-1, 1), (-1, 1)), top=0.0, left=0.0004, rows=1, columns=1)
     scene = Scene("two", walls=(front, back))
-    echoes = trace_beams(scene, grid, with_bundle(Bundle(rings=8)), HERE)
+    echoes = trace_beams(scene, grid, with_bundle(Bundle(rays=217)), HERE)
     main = echoes.share[0, 0]
     assert echoes.share[0].sum() == pytest.approx(1)
     first = echoes.surface[0, 0] == 0

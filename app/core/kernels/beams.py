@@ -88,7 +88,7 @@ def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # typ
     across = cross(n, d)
     values[m, OMEGA] = math.atan2(math.sqrt(dot(across, across)), abs(dot(n, d)))
     values[m, DISTANCE], values[m, OFF] = distance, off
-    values[m, SHIFT] = distance - met[0, 3] / met[0, 0]
+    values[m, SHIFT] = distance - met[0, 4] / met[0, 3]
 
 
 @njit(**INNER)
@@ -160,7 +160,7 @@ def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, ou
         np.empty(channels),
         np.empty((2, len(beam.wavelengths))),
         np.empty(rays, np.int64),
-        np.empty((rays, 4)),
+        np.empty((rays, 5)),
     )
     spans = np.empty((rays, 3))
     stack, entry = np.empty(DEEPEST, np.int64), np.empty(DEEPEST)

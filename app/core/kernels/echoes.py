@@ -12,7 +12,7 @@ SMALL = 0.2
 """Radians up to which five terms of their series give sine and cosine to the last digit."""
 FIRST, STRONGEST, LAST, ALL = 0, 1, 2, 3
 COMPONENTS = 3
-"""Surfaces of a return that are told apart, the largest shares first."""
+"""Surfaces of a return that are told apart, the one that sends back most first."""
 
 
 class OpticsTable(NamedTuple):
@@ -34,6 +34,7 @@ class BeamTable(NamedTuple):
     octaves: Any  # (w,) how often each wavelength is half of the one before
     blend: float  # m: nearer echoes give one return
     least: float  # share of the energy that a return needs
+    threshold: float  # reflectance × share that it needs
     most: int  # returns per beam
     pick: int
     pulse: float  # m, full width at half maximum
@@ -49,7 +50,7 @@ class EchoTable(NamedTuple):
     total: Any  # (channels,)
     phasor: Any  # (2, w)
     touched: Any  # (k,) surfaces
-    met: Any  # (k, 4): share, nearest and farthest distance, share × distance
+    met: Any  # (k, 5): share, nearest and farthest distance, energy, energy × distance
 
 
 @njit(**INNER)
@@ -149,37 +150,40 @@ def range_by_phase(hits, beam, echoes, count):  # type: ignore[no-untyped-def]
 def list_surfaces(hits, beam, echoes, span):  # type: ignore[no-untyped-def]
     """Surfaces met by the sub-rays `span` = (first, end) of the list; returns how many."""
     rays, touched, met, subrays = echoes.rays, echoes.touched, echoes.met, beam.subrays
-    distance, surface = hits.distance, hits.surface
+    distance, surface, energy = hits.distance, hits.surface, echoes.energy
+    channel = beam.ranging_channel
     found, slot = 0, 0
     for i in range(span[0], span[1]):
         k = rays[i]
-        t, share = distance[k], subrays[2, k]
+        t, share, e = distance[k], subrays[2, k], energy[k, channel]
         if found == 0 or touched[slot] != surface[k]:
             slot = 0
             while slot < found and touched[slot] != surface[k]:
                 slot += 1
         if slot == found:
             touched[slot] = surface[k]
-            met[slot, 0], met[slot, 1], met[slot, 2], met[slot, 3] = 0.0, t, t, 0.0
+            met[slot, 0], met[slot, 1], met[slot, 2] = 0.0, t, t
+            met[slot, 3], met[slot, 4] = 0.0, 0.0
             found += 1
         met[slot, 0] += share
         met[slot, 1] = min(met[slot, 1], t)
         met[slot, 2] = max(met[slot, 2], t)
-        met[slot, 3] += share * t
+        met[slot, 3] += e
+        met[slot, 4] += e * t
     return found
 
 
 @njit(**INNER)
 def sort_surfaces(echoes, found):  # type: ignore[no-untyped-def]
-    """Put the largest shares first, as many as are told apart."""
+    """Put those that send back most first, as many as are told apart."""
     for i in range(min(found, COMPONENTS)):
         best = i
         for j in range(i + 1, found):
-            if echoes.met[j, 0] > echoes.met[best, 0]:
+            if echoes.met[j, 3] > echoes.met[best, 3]:
                 best = j
         if best != i:
             echoes.touched[i], echoes.touched[best] = echoes.touched[best], echoes.touched[i]
-            for c in range(4):
+            for c in range(5):
                 echoes.met[i, c], echoes.met[best, c] = echoes.met[best, c], echoes.met[i, c]
 
 
@@ -204,7 +208,9 @@ def split_returns(hits, beam, echoes, count, spans):  # type: ignore[no-untyped-
         if not ends:
             ends = hits.distance[echoes.rays[i + 1]] - hits.distance[k] >= beam.blend
         if ends:
-            if energy >= beam.least * echoes.total[c]:
+            near = hits.distance[echoes.rays[first]]
+            noticed = energy * near * near >= beam.threshold
+            if noticed and energy >= beam.least * echoes.total[c]:
                 spans[found] = (float(first), float(i + 1), energy)
                 found += 1
             first, energy = i + 1, 0.0

@@ -40,7 +40,9 @@ def keep_nearer(hits, ahead, index):  # type: ignore[no-untyped-def]
     t, cosine = hits.found[0], hits.found[1]
     for k in range(len(distance)):
         away = t[k] + ahead
-        nearer = (away > 0.0) & (away < distance[k])
+        # Of surfaces that meet where a ray ends, the first counts, in whatever order they come.
+        nearer = (away < distance[k]) | ((away == distance[k]) & (index < surface[k]))
+        nearer = nearer & (away > 0.0)
         distance[k] = away if nearer else distance[k]
         facing[k] = min(cosine[k], 1.0) if nearer else facing[k]
         surface[k] = index if nearer else surface[k]
