@@ -335,3 +335,4 @@ leafscope.command(
     "app.cli.simulating:simulate",
     help="Scan a simulated scene: points with everything that is true about them.",
 )
+leafscope.command("app.cli.benching:bench", help="Measure how right and how fast Leafscope is.")

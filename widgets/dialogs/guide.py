@@ -45,6 +45,10 @@ class GuideDialog(QDialog):
         self.page.setAccessibleName(title)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.close)
+        back = buttons.addButton(self.tr("Back"), QDialogButtonBox.ButtonRole.ActionRole)
+        back.clicked.connect(self.page.backward)
+        back.hide()
+        self.page.backwardAvailable.connect(back.setVisible)
         layout = QVBoxLayout(self)
         layout.addWidget(self.page)
         layout.addWidget(buttons)
@@ -52,7 +56,8 @@ class GuideDialog(QDialog):
 
     @classmethod
     def of_guide(cls, parent: QWidget | None = None) -> GuideDialog:
-        """The user guide."""
-        text = find_resource("docs/guide.md").read_text(encoding="utf-8")
-        title = QCoreApplication.translate("GuideDialog", "Leafscope guide")
-        return cls(title, text, parent)
+        """The user guide, and the pages beside it that it links to."""
+        dialog = cls(QCoreApplication.translate("GuideDialog", "Leafscope guide"), "", parent)
+        # As a source, not as text: links then have a place to start from, and to come back to.
+        dialog.page.setSource(QUrl.fromLocalFile(str(find_resource("docs/guide.md"))))
+        return dialog

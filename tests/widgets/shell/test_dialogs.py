@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFileDialog
 from pytestqt.qtbot import QtBot
@@ -147,3 +147,16 @@ def test_guide_and_keys_open_beside_the_window(shell: MainWindow) -> None:
     assert "Ctrl+O" in pages[0].page.toPlainText()
     for page in pages:
         page.close()
+
+
+def test_the_guide_follows_its_links_and_comes_back(qtbot: QtBot) -> None:
+    from widgets.dialogs.guide import GuideDialog
+
+    dialog = GuideDialog.of_guide()
+    qtbot.addWidget(dialog)
+    guide = dialog.page.toPlainText()
+    assert guide.startswith("Guide")
+    dialog.page.setSource(QUrl("benchmarks.md"))
+    assert dialog.page.toPlainText().startswith("Benches")
+    dialog.page.backward()
+    assert dialog.page.toPlainText() == guide

@@ -1,0 +1,89 @@
+"""``leafscope bench``: measurements that anyone can make again, one command each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cyclopts import App, Parameter
+
+from app.cli.commands import Json, Overwrite
+from app.cli.console import LINE, watch
+
+if TYPE_CHECKING:
+    from app.services.bench.results import Bench, ResultTable, Value
+
+bench = App(
+    name="bench",
+    default_parameter=Parameter(negative=(), show_default=False),
+    help="Measure how right and how fast Leafscope is.",
+)
+
+
+@bench.command
+def simulate(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    truth: Path | None = None,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Check the virtual scanner against closed forms, and time it.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    quick
+        Fewer beams, angles, leaves and seeds: a few seconds.
+    truth
+        Folder with another simulator's scans (phase_shift, pulsed) to compare with.
+    """
+    from app.services.bench.simulate.run import bench_simulate, refuse_bench_simulate
+
+    if out is not None:
+        refuse_bench_simulate(out, truth, overwrite)
+    finish(bench_simulate(quick, truth, watch()), out, json, overwrite)
+
+
+def finish(found: Bench, out: Path | None, as_json: bool, overwrite: bool) -> None:
+    """Write what a bench found, if a folder is given, and print it."""
+    from app.cli.printing import print_json, say
+    from app.services.bench.results import write_bench
+
+    if out is not None:
+        write_bench(found, out, overwrite)
+    if as_json:
+        print_json(found.as_dict())
+        return
+    for table in found.tables:
+        print_table(table)
+    say(", ".join(f"{name} {value}" for name, value in found.as_dict()["machine"].items()))
+    if out is not None:
+        say(f"Tables and pictures are in {out.resolve()}.")
+
+
+def print_table(table: ResultTable) -> None:
+    """Print a table, numbers to the right; whole lines where the output is no terminal."""
+    from rich.console import Console
+    from rich.table import Table
+
+    LINE.wipe()
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=200)
+    shown = Table(title=table.title, title_justify="left", caption=table.note or None)
+    numeric = {name for name in table.columns if not isinstance(table.rows[0][name], (str, bool))}
+    for name in table.columns:
+        shown.add_column(name, justify="right" if name in numeric else "left")
+    for row in table.rows:
+        shown.add_row(*(show_value(row[name]) for name in table.columns))
+    console.print(shown)
+
+
+def show_value(value: Value) -> str:
+    """A value in few digits; nothing where there is none."""
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.6g}"
+    return str(value)

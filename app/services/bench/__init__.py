@@ -1,0 +1,1 @@
+"""Benches: tables of measured numbers, with pictures, that anyone can make again."""

@@ -1,0 +1,1 @@
+"""The virtual scanner: is it right, what does it cost, does another simulator agree."""
