@@ -43,21 +43,37 @@ class ProgressLine:
 LINE = ProgressLine()
 
 
+class Stop:
+    """The wish to stop, said by Ctrl-C or a polite kill."""
+
+    def __init__(self) -> None:
+        self._asked = False
+
+    def asked(self) -> bool:
+        """Whether somebody wants the program to stop."""
+        return self._asked
+
+    def ask(self, _number: int, _frame: FrameType | None) -> None:
+        """Raise `Cancelled` where the program stands; from now on a signal kills.
+
+        Python swallows what is raised in a destructor or a callback: then the next report of
+        progress finds `asked`, and where there is none a second signal still ends the program.
+        """
+        self._asked = True
+        for number in STOPS:
+            signal.signal(number, signal.SIG_DFL)
+        raise Cancelled
+
+
+STOP = Stop()
+
+
 def watch() -> Progress:
     """Progress of one command."""
-    return LiveProgress(LINE.show)
+    return LiveProgress(LINE.show, STOP.asked)
 
 
 def cancel_on_signals() -> None:
-    """From now on Ctrl-C and a polite kill raise `Cancelled` where the program stands.
-
-    Only the first does: what cleans up afterwards is not to be interrupted.
-    """
+    """From now on Ctrl-C and a polite kill raise `Cancelled` where the program stands."""
     for number in STOPS:
-        signal.signal(number, _cancel)
-
-
-def _cancel(_number: int, _frame: FrameType | None) -> None:
-    for other in STOPS:
-        signal.signal(other, signal.SIG_IGN)
-    raise Cancelled
+        signal.signal(number, STOP.ask)

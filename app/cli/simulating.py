@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from app.cli.commands import Json, Overwrite
 from app.cli.console import watch
-from app.cli.printing import print_json, say
+from app.cli.printing import print_json, print_warnings, say
 from app.core.errors import WrongUse
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Choice:
     step_deg: float | None = None
     "Step between beams, degrees (default: the scene's, else the instrument's)."
     noise: Literal["none", "white", "filtered"] | None = None
-    "Of the range: none (nor any of intensity), white, or filtered over 3 × 3 neighbours."
+    "Of the range: white, or filtered (neighbours alike, σ the same). none: no noise of any kind."
     settings: Annotated[tuple[str, ...], Parameter(name="--set")] = ()
     "Another value for the scene, PATH=VALUE: stage.angle_deg=30 (may be repeated)."
 
@@ -59,8 +59,8 @@ def simulate(
     scene
         A ready scene (see --list), or a TOML file.
     out
-        File to write: .laz, .las, .e57, .ptx, .npz, .ply or .csv. With --series a folder, or a
-        file whose name the files of the series begin with.
+        File to write: .laz, .las, .e57, .ptx or .ply; .csv or .npz for tables and numpy. With
+        --series a folder, or a file whose name the files of the series begin with.
     series
         A scan for each of PATH=VALUES: stage.angle_deg=0:85:5, or hours=0,3,6. Alone: the
         series that the scene is for.
@@ -71,14 +71,14 @@ def simulate(
     offers
         Show the ready scenes and instruments.
     show
-        Show a ready scene as TOML, to copy and change.
+        Show a ready scene or instrument as TOML, to copy and change.
     """
     if offers:
         _list(json)
     elif show is not None:
-        from app.services.simulation_offers import show_scene
+        from app.services.simulation_offers import show_offer
 
-        say(show_scene(show).rstrip())
+        say(show_offer(show).rstrip())
     elif scene is None or out is None:
         raise WrongUse("Say which scene, and --out FILE.", "See leafscope simulate --list.")
     else:
@@ -130,7 +130,8 @@ def _print_scan(report: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(report)
         return
-    say(_sum_up(report))
+    say(f"{report['scene']}, {report['instrument']}: {_sum_up(report)}")
+    print_warnings(report["warnings"])
     for key in ("leaves_file", "waveforms_file", "file"):
         if key in report:
             say(f"{report[key]} written.")
@@ -142,7 +143,9 @@ def _print_series(report: Mapping[str, Any], as_json: bool) -> None:
         return
     for step in report["steps"]:
         say(f"{report['key']} {step['value']}: {step['points']:,} points, {step['file']}")
-    say(_sum_up(report))
+    over = f"{len(report['steps'])} scans over {report['key']}"
+    say(f"{report['scene']}, {'; '.join(report['instruments'])}, {over}: {_sum_up(report)}")
+    print_warnings(report["warnings"])
     for key in ("leaves_file", "table"):
         if key in report:
             say(f"{report[key]} written.")
@@ -150,7 +153,6 @@ def _print_series(report: Mapping[str, Any], as_json: bool) -> None:
 
 def _sum_up(report: Mapping[str, Any]) -> str:
     return (
-        f"{report['scene']}, {report['instrument']}: {report['points']:,} points of "
-        f"{report['beams']:,} beams, {report['ghosts']:.2%} ghosts, {report['seconds']:.1f} s, "
-        f"{report['million_beams_per_second']:.2f} M beams/s."
+        f"{report['points']:,} points of {report['beams']:,} beams, {report['ghosts']:.2%} ghosts, "
+        f"{report['seconds']:.1f} s, {report['million_beams_per_second']:.2f} M beams/s."
     )

@@ -192,9 +192,14 @@ def _number(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def write_table(rows: Sequence[Row], path: Path, overwrite: bool = False) -> None:
-    """Write rows as CSV; missing values are empty cells, numbers are exact."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
+def write_table(
+    rows: Sequence[Row], path: Path, overwrite: bool = False, columns: Sequence[str] = ()
+) -> None:
+    """Write rows as CSV; missing values are empty cells, numbers are exact.
+
+    `columns` stand in the header even where no row has them.
+    """
+    names = list(dict.fromkeys([*(name for row in rows for name in row), *columns]))
     with atomic_path(path, overwrite) as temporary, temporary.open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(names)

@@ -19,7 +19,7 @@ from app.services.export import export, refuse_unwritable
 from app.services.leaves import write_table
 from app.services.simulation_order import Order, estimate, refuse_too_large, set_up
 from app.services.truth_tables import (
-    count_samples,
+    name_columns,
     refuse_waveforms,
     tabulate_truth,
     write_waveforms,
@@ -29,6 +29,8 @@ from app.simulate.ranging import Pulsed
 from app.simulate.scene_file import Document
 from app.simulate.simulation import Simulation
 from app.simulate.virtual_scan import Setup
+
+NO_POINT = "No beam brought back enough to be noticed: the scan has no points."
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +63,7 @@ def simulate_file(order: Order, targets: Targets, progress: Progress = QUIET) ->
     dict
         scene, instrument, seed, step_deg, beams, points, channels, ghosts (share of the points),
         seconds (of the scan, without building the scene and writing), million_beams_per_second,
-        file;
+        warnings (sentences), file;
         leaves_file and waveforms_file where they were asked for.
 
     Raises
@@ -87,7 +89,7 @@ def scan(
     refuse_combination(setup.instrument, targets)
     progress.report(0.0, f"Building {setup.file.name}")
     waves = targets.waveforms is not None
-    refuse_too_large(setup, estimate(setup), count_samples(setup.instrument) if waves else 0)
+    refuse_too_large(setup, estimate(setup), waves)
     start = time.perf_counter()
     simulation = setup.scan(waves, progress.part(0.05, 1.0))
     seconds = time.perf_counter() - start
@@ -103,6 +105,7 @@ def scan(
         "ghosts": float(np.mean(ghost == 1)) if len(ghost) else 0.0,
         "seconds": seconds,
         "million_beams_per_second": setup.beams / seconds / 1e6,
+        "warnings": [] if len(ghost) else [NO_POINT],
     }
 
 
@@ -115,7 +118,8 @@ def write(
     """Write what the targets ask for, the points last; names of the files."""
     files = {}
     if targets.leaves is not None:
-        write_table(tabulate_truth(simulation), targets.leaves, targets.overwrite)
+        columns = name_columns(simulation.scene.wavelengths_nm)
+        write_table(tabulate_truth(simulation), targets.leaves, targets.overwrite, columns)
         files["leaves_file"] = str(targets.leaves)
     if targets.waveforms is not None:
         write_waveforms(simulation, targets.waveforms, targets.overwrite, progress.part(0, 0.5))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from importlib.resources import files
 from typing import Any
 
+from app.core.errors import WrongUse
 from app.simulate.instrument import list_instruments
-from app.simulate.scene_file import SceneFile, get_scene, list_scenes, load_document
+from app.simulate.scene_file import SceneFile, get_scene, list_scenes
 from app.simulate.series import series_of
 
 
@@ -43,7 +44,20 @@ def describe_scene(name: str, scene: SceneFile) -> dict[str, Any]:
     }
 
 
-def show_scene(name: str) -> str:
-    """The TOML of a ready scene, to copy and change; raises `WrongUse` for other names."""
-    load_document(name)
-    return (files("resources") / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
+def show_offer(name: str) -> str:
+    """The TOML of a ready scene or instrument, to copy and change.
+
+    Raises
+    ------
+    WrongUse
+        There is neither; the hint has all names.
+    """
+    known = {"scenes": list_scenes(), "instruments": [tool.name for tool in list_instruments()]}
+    for folder, names in known.items():
+        if name in names:
+            return (files("resources") / folder / f"{name}.toml").read_text(encoding="utf-8")
+    scenes, instruments = (", ".join(names) for names in known.values())
+    raise WrongUse(
+        f"There is no ready scene or instrument {name!r}.",
+        f"Scenes: {scenes}. Instruments: {instruments}.",
+    )

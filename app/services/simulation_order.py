@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from math import isqrt
+from math import ceil, isqrt
 from pathlib import Path
 from typing import Any
 
 import psutil
 
+from app.core.chunks import count_processors
 from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
 from app.core.units import group_digits
 from app.services.reading import SHARE_OF_FREE
+from app.services.truth_tables import count_samples
+from app.simulate.scanner import BAND
 from app.simulate.scene_file import Document, decode_scene, load_document
 from app.simulate.series import vary
 from app.simulate.virtual_scan import Noise, Setup, arrange, find_instrument, set_noise
 
 PROBED = 2500
 """Beams that an estimate sends out."""
-_BYTES_PER_BEAM, _BYTES_PER_POINT, _BYTES_PER_VALUE = 20, 400, 150
+_BYTES_PER_BEAM, _BYTES_PER_POINT, _BYTES_PER_VALUE, _BYTES_PER_SAMPLE = 20, 400, 150, 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +114,14 @@ def estimate(setup: Setup, progress: Progress = QUIET) -> Estimate:
     return Estimate(setup.beams, round(returns * setup.beams))
 
 
-def refuse_too_large(setup: Setup, found: Estimate, waveform_samples: int = 0) -> None:
-    """Raise `BadInput` for a scan that the memory would not hold."""
-    channels = len(setup.instrument.wavelengths_nm)
-    per_point = _BYTES_PER_POINT + channels * (_BYTES_PER_VALUE + 8 * waveform_samples)
+def refuse_too_large(setup: Setup, found: Estimate, waveforms: bool = False) -> None:
+    """Raise `BadInput` for a scan that the memory would not hold, `waveforms` kept or not."""
+    channels, samples = len(setup.instrument.wavelengths_nm), count_samples(setup.instrument)
+    per_point = _BYTES_PER_POINT + channels * (_BYTES_PER_VALUE + 8 * samples * waveforms)
+    bands = min(count_processors(), ceil(setup.grid.rows / BAND))  # being traced at one time
+    per_band = BAND * setup.grid.columns * channels * samples * _BYTES_PER_SAMPLE
     need = found.beams * _BYTES_PER_BEAM + found.points * per_point
+    need += bands * per_band * (1 + waveforms)  # the noise of the samples; room for the samples
     may = psutil.virtual_memory().available * SHARE_OF_FREE
     if need > may:
         raise BadInput(

@@ -21,7 +21,7 @@ from app.services.simulation import (
     write,
 )
 from app.services.simulation_order import Order, change, set_up
-from app.services.truth_tables import tabulate_truth
+from app.services.truth_tables import name_columns, tabulate_truth
 from app.simulate.scene_file import Document, decode_scene
 from app.simulate.series import Series, parse_series, series_of
 from app.simulate.simulation import Simulation
@@ -57,8 +57,9 @@ def simulate_series(
     Returns
     -------
     dict
-        scene, instrument, key, steps (a report as of `simulate_file` each), beams, points,
-        ghosts, seconds, million_beams_per_second, table; leaves_file where it was asked for.
+        scene, instruments, key, steps (a report as of `simulate_file` each), beams, points,
+        ghosts, seconds, million_beams_per_second, warnings, table; leaves_file where it was
+        asked for.
 
     Raises
     ------
@@ -82,7 +83,8 @@ def simulate_series(
         write_table(rows, table, overwrite=True)
         if targets.leaves is not None:
             leaves += [place | row for row in tabulate_truth(simulation)]
-            write_table(leaves, targets.leaves, overwrite=True)
+            columns = (*place, *name_columns(simulation.scene.wavelengths_nm))
+            write_table(leaves, targets.leaves, overwrite=True, columns=columns)
     found = sum_up(reports) | {"key": wanted.path, "steps": reports, "table": str(table)}
     return found | ({"leaves_file": str(targets.leaves)} if targets.leaves is not None else {})
 
@@ -149,19 +151,23 @@ def refuse(table: Path, steps: list[Step], targets: Targets) -> None:
 
 def sum_up(reports: list[dict[str, Any]]) -> dict[str, Any]:
     """What the steps came to together."""
-    first = reports[0]
     beams, points, seconds = (
         sum(r[key] for r in reports) for key in ("beams", "points", "seconds")
     )
     ghosts = sum(report["ghosts"] * report["points"] for report in reports)
     return {
-        "scene": first["scene"],
-        "instrument": first["instrument"],
+        "scene": reports[0]["scene"],
+        "instruments": list(dict.fromkeys(report["instrument"] for report in reports)),
         "beams": beams,
         "points": points,
         "ghosts": ghosts / max(points, 1),
         "seconds": seconds,
         "million_beams_per_second": beams / seconds / 1e6,
+        "warnings": [
+            f"{Path(report['file']).name}: {text}"
+            for report in reports
+            for text in report["warnings"]
+        ],
     }
 
 

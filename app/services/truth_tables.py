@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +44,14 @@ def tabulate_truth(simulation: Simulation) -> list[Row]:
         _describe(leaf, int(points[leaf.number]), int(whole[leaf.number]), scene.wavelengths_nm)
         for leaf in leaves
     ]
+
+
+def name_columns(wavelengths_nm: tuple[float, ...]) -> tuple[str, ...]:
+    """The columns of `tabulate_truth`."""
+    vectors = (f"{name}_{axis}" for name in ("centre", "normal") for axis in "xyz")
+    sizes = ("area_m2", "length_m", "width_m")
+    rho = (f"rho_{nm:.0f}" for nm in wavelengths_nm)
+    return ("leaf", "kind", "points", "points_whole", *sizes, *vectors, "tilt_deg", "water", *rho)
 
 
 def refuse_waveforms(instrument: Instrument) -> None:
@@ -97,11 +104,7 @@ def write_waveforms(
 
 
 def _describe(leaf: LeafTruth, points: int, whole: int, wavelengths: tuple[float, ...]) -> Row:
-    row: Row = {"leaf": leaf.number, "kind": leaf.kind, "points": points, "points_whole": whole}
-    row |= {"area_m2": leaf.area, "length_m": leaf.length, "width_m": leaf.width}
-    for name in ("centre", "normal"):
-        vector = asdict(leaf)[name]
-        row |= {f"{name}_{axis}": float(v) for axis, v in zip("xyz", vector, strict=True)}
-    row |= {"tilt_deg": leaf.tilt_deg, "water": leaf.water}
-    rho = zip(wavelengths, leaf.rho, strict=True)
-    return row | {f"rho_{nm:.0f}": float(value) for nm, value in rho}
+    sizes = (leaf.area, leaf.length, leaf.width)
+    numbers = (*leaf.centre, *leaf.normal, leaf.tilt_deg, leaf.water, *leaf.rho)
+    values = (leaf.number, leaf.kind, points, whole, *sizes, *map(float, numbers))
+    return dict(zip(name_columns(wavelengths), values, strict=True))

@@ -7,6 +7,7 @@ that the footprint's radius at distance d is r0 + d · tan δ (science: Balduzzi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from app.core.units import to_radians
 
 GOLDEN = float(np.pi * (3 - np.sqrt(5)))
 """Radians: the angle from seed to seed of a sunflower."""
+SLACK = 5e-7
+"""Half a millionth of a step: a field of 1.2° and a step of 0.1° are to reach both ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,18 +107,22 @@ def grid_of_field(
 ) -> BeamGrid:
     """Grid that fills a field of view, given as (low, high) degrees.
 
+    Both ends are in it where the step divides the field; of a full circle, whose ends are one
+    direction, only the left one.
+
     Raises
     ------
     WrongUse
         The step is not a positive number, or is wider than the field.
     """
     width, tall = azimuth_deg[1] - azimuth_deg[0], elevation_deg[1] - elevation_deg[0]
-    if not 0 < step_deg <= min(width, tall):
+    if not 0 < step_deg <= min(width, tall) * (1 + SLACK):
         raise WrongUse(
             f"A step of {step_deg}° does not fit a field of {width:.3g}° × {tall:.3g}°.",
             "Give a positive step that is smaller than the field.",
         )
-    rows, columns = int(tall / step_deg) + 1, int(width / step_deg) + 1
+    rows, columns = int(tall / step_deg + SLACK) + 1, int(width / step_deg + SLACK) + 1
+    columns = min(columns, ceil(360 / step_deg - SLACK))
     return BeamGrid(
         float(to_radians(elevation_deg[1])),
         float(to_radians(azimuth_deg[1])),

@@ -11,7 +11,7 @@ import numpy as np
 from app.core.arrays import Bools, Floats
 from app.core.errors import WrongUse
 from app.simulate.limits import check_not_negative, check_positive
-from app.simulate.range_effect import NoEffect, RangeEffect
+from app.simulate.range_effect import NoEffect, RangeEffect, sample_strength
 from app.simulate.receiver import Receiver
 
 DARK = 1e-12
@@ -181,12 +181,27 @@ def count_channels(detector: Detector) -> int | None:
     return len(detector.m) if isinstance(detector, Salca) else None
 
 
+def tabulate_strength(detector: Detector, channels: int, farthest: float) -> Floats:
+    """Range effect of a detector on the lattice of `range_effect.sample_strength`.
+
+    Returns
+    -------
+    (channels, k) array
+        (channels, 0) for a detector without a range effect: light then falls by 1 / d², and the
+        instrument takes that out again.
+    """
+    if isinstance(detector, Ideal) or isinstance(detector.range_effect, NoEffect):
+        return np.empty((channels, 0))
+    return sample_strength(detector.range_effect, channels, farthest)
+
+
 def record(
     echo: Floats,
     distance: Floats,
     detector: Detector,
     receiver: Receiver,
     random: np.random.Generator,
+    echo_sigma: Floats | None = None,
 ) -> Recorded:
     """What the instrument writes down for each return.
 
@@ -201,6 +216,9 @@ def record(
     receiver : Receiver
         Its intensity noise is in proportion to the echo; no noisy echo is below zero.
     random : Generator
+    echo_sigma : (n, channels) array, optional
+        σ of scatter that `echo` has already, as of a noisy waveform; it enters the σ that is
+        told, and the values not once more.
 
     Raises
     ------
@@ -208,9 +226,10 @@ def record(
         The detector has other channels, or its range effect is not known at a distance.
     """
     share = receiver.intensity_noise
+    spread = share * echo if echo_sigma is None else np.hypot(share * echo, echo_sigma)
     noisy = np.maximum(echo * (1 + share * random.standard_normal(echo.shape)), 0.0)
     if isinstance(detector, Ideal):
-        return Recorded(noisy, share * echo, np.zeros(echo.shape, bool))
+        return Recorded(noisy, spread, np.zeros(echo.shape, bool))
     if echo.shape[1] != count_channels(detector):
         raise WrongUse(
             f"The detector has {count_channels(detector)} channels, the scene {echo.shape[1]}.",
@@ -221,7 +240,7 @@ def record(
         strength = detector.range_effect.strength(distance, k)
         effective = echo[:, k] * strength
         signal[:, k] = detector.respond(noisy[:, k] * strength, k)
-        sigma[:, k] = detector.slope(effective, k) * effective * share
+        sigma[:, k] = detector.slope(effective, k) * strength * spread[:, k]
     values, saturated = detector.scale.digitise(signal, random)
     return Recorded(values, detector.scale.sigma(sigma), saturated)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -59,6 +60,7 @@ class Instrument:
             raise WrongUse(f"The instrument {self.name} has no wavelength.", "Give one or more.")
         for wavelength in self.wavelengths_nm:
             check_positive("A wavelength", wavelength)
+        self._check_names()
         check_positive("The step between beams", self.step_deg)
         channels = len(self.wavelengths_nm)
         if not 0 <= self.ranging_channel < channels:
@@ -73,6 +75,17 @@ class Instrument:
                 "Describe the detector for each wavelength.",
             )
         self._check_range_effect()
+
+    def _check_names(self) -> None:
+        """Channels and attributes are named by whole nanometres."""
+        whole = Counter(f"{wavelength:.0f}" for wavelength in self.wavelengths_nm)
+        name, count = whole.most_common(1)[0]
+        if count > 1:
+            raise WrongUse(
+                f"{count} wavelengths of {self.name} are {name} nm, to the nanometre by which "
+                "channels are named.",
+                "Give wavelengths that differ by more than a nanometre.",
+            )
 
     def _check_range_effect(self) -> None:
         if isinstance(self.detector, Ideal) or not isinstance(self.detector.range_effect, Hancock):

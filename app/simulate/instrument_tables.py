@@ -15,7 +15,6 @@ from app.core.units import MM_PER_M, to_radians
 from app.simulate import range_effect as effects
 from app.simulate.beam import Bundle
 from app.simulate.detector import Digitiser, Ideal, Linear, Logarithmic, Salca
-from app.simulate.limits import check_not_negative
 from app.simulate.ranging import PhaseShift, Pick, Pulsed, Waveform
 from app.simulate.receiver import Correlation, Receiver
 
@@ -23,8 +22,10 @@ Numbers = tuple[float, ...]
 
 METRES_PER_NS = 0.299792458 / 2
 """Range that a nanosecond of a pulse stands for: there and back."""
-WIDEST = 0.1
+WIDEST = float(to_radians(5.0))
 """Half divergence, radians."""
+Wavelength = Annotated[float, msgspec.Meta(ge=100, le=20_000)]
+"""Nanometres: from the ultraviolet to the thermal infrared."""
 
 
 def pick_one(given: dict[str, tuple[float | None, float]]) -> float:
@@ -42,7 +43,7 @@ def pick_one(given: dict[str, tuple[float | None, float]]) -> float:
 class Beam(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Table ``beam``; one of the four divergences is given."""
 
-    exit_diameter_mm: float
+    exit_diameter_mm: Annotated[float, msgspec.Meta(ge=0, le=1000)]
     full_divergence_mrad: float | None = None
     half_divergence_mrad: float | None = None
     full_divergence_deg: float | None = None
@@ -57,11 +58,10 @@ class Beam(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             "half_divergence_deg": (self.half_divergence_deg, float(to_radians(1.0))),
         }
         half = pick_one(given)
-        check_not_negative("The diameter of a beam at its exit", self.exit_diameter_mm)
         if not 0 <= half <= WIDEST:
             raise WrongUse(
-                f"A beam cannot diverge by {half * 1000:g} mrad (half angle).",
-                "Give 0 to 100 mrad; mind the unit, and full or half angle.",
+                f"A beam cannot diverge by {degrees(half):g}° (half angle).",
+                f"Give 0 to {degrees(WIDEST):g}°; mind the unit, and full or half angle.",
             )
         return Bundle(self.exit_diameter_mm / MM_PER_M, half, self.rays)
 
@@ -117,6 +117,7 @@ class ReceiverTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     dropout: float = 0.0
     nearest_m: float = 0.0
     farthest_m: float = inf
+    range_noise_at_m: float | None = None
 
     def build(self) -> Receiver:
         return Receiver(
@@ -128,6 +129,7 @@ class ReceiverTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             self.dropout,
             self.nearest_m,
             self.farthest_m,
+            self.range_noise_at_m,
         )
 
 
@@ -226,7 +228,7 @@ class InstrumentTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     name: str
     title: str
-    wavelengths_nm: Numbers
+    wavelengths_nm: tuple[Wavelength, ...]
     beam: Beam
     ranging: PhaseShiftTable | PulsedTable
     receiver: ReceiverTable

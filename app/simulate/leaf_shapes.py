@@ -8,11 +8,14 @@ from typing import Literal
 import numpy as np
 
 from app.core.arrays import Floats
+from app.core.errors import WrongUse
 from app.model.scan import Vector
 from app.simulate.surfaces import Leaf
 
 Shape = Literal["flat", "bent", "wrinkled", "lobed"]
 IN_TURN: tuple[Shape, ...] = ("flat", "bent", "wrinkled")
+NEAREST = 1e-6
+"""Metres: what is nearer to the scanner has no direction."""
 
 
 def vector(values: Floats) -> Vector:
@@ -27,10 +30,28 @@ def unit(values: Floats) -> Floats:
 
 
 def tilted_normal(centre: Floats, origin: Floats, tilt: float) -> Vector:
-    """Normal that meets the beam to `centre` at `tilt` radians, turned about the vertical."""
-    back = (origin - centre) / np.linalg.norm(origin - centre)
+    """Normal that meets the beam to `centre` at `tilt` radians, turned about the vertical.
+
+    Straight above or below the scanner, where that turn would not tilt it, it leans towards y.
+
+    Raises
+    ------
+    WrongUse
+        The centre is where the scanner is.
+    """
+    check_apart(centre, origin)
+    back = unit(origin - centre)
     side = np.cross([0.0, 0.0, 1.0], back)
-    return vector(np.cos(tilt) * back + np.sin(tilt) * side / np.linalg.norm(side))
+    side = unit(side) if side.any() else np.array([0.0, 1.0, 0.0])
+    return vector(np.cos(tilt) * back + np.sin(tilt) * side)
+
+
+def check_apart(centre: Floats, scanner: Floats) -> None:
+    """Raise `WrongUse` when a centre is where the scanner is."""
+    if np.linalg.norm(centre - scanner) < NEAREST:
+        raise WrongUse(
+            f"Nothing can stand where the scanner is, at {vector(scanner)}.", "Move one of them."
+        )
 
 
 def shape_leaf(leaf: Leaf, shape: Shape, random: np.random.Generator) -> Leaf:

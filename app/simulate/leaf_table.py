@@ -18,6 +18,11 @@ from app.simulate.surfaces import Leaf, Scene, Stem, Wall
 
 CHUNK = 100
 """Leaves measured at a time: their nodes stay in the processor's cache."""
+MOST_NODES, MOST_WAVES = 1_000_000, 200
+"""Of leaves measured at a time, and of one leaf: what fine wrinkles may take of the memory.
+
+So many nodes are 1e-4 close even over a thousand waves.
+"""
 
 Kind = Literal["flat", "bent", "wrinkled", "lobed", "needle"]
 
@@ -87,8 +92,12 @@ def name_kind(leaf: Leaf) -> Kind:
 
 
 def _measure(leaves: Sequence[Leaf]) -> Floats:
+    radii, angles = _count_nodes(leaves)
+    if len(leaves) > 1 and len(leaves) * radii * angles > MOST_NODES:
+        half = len(leaves) // 2
+        return np.concatenate([_measure(leaves[:half]), _measure(leaves[half:])])
     column = {name: _column(leaves, name) for name in _NUMBERS}
-    x, y, weight = _spread_nodes(column, *_count_nodes(leaves))
+    x, y, weight = _spread_nodes(column, radii, angles)
     u, v = np.cos(column["bend_direction"]), np.sin(column["bend_direction"])
     s = column["curvature"] * (x * u + y * v)
     root = np.sqrt(1 - s * s)
@@ -123,9 +132,16 @@ def _waves(leaves: Sequence[Leaf], k: int) -> tuple[Floats, Floats]:
 
 
 def _count_nodes(leaves: Sequence[Leaf]) -> tuple[int, int]:
-    """Radii (Gauss–Legendre) and angles (periodic trapezoid) that keep the error below 1e-4."""
-    wavy = [leaf.radius() / min(leaf.wrinkle_lengths) for leaf in leaves if leaf.wrinkle_height]
-    waves = ceil(max(wavy, default=0.0))
+    """Radii (Gauss–Legendre) and angles (periodic trapezoid) that keep the error below 1e-4.
+
+    A steep wave's √(1 + slope²) has sharp valleys: it takes more nodes than a gentle one's.
+    """
+    wavy = [
+        leaf.radius() / min(leaf.wrinkle_lengths) * (1 + leaf.wave_slope())
+        for leaf in leaves
+        if leaf.wrinkle_height
+    ]
+    waves = min(ceil(max(wavy, default=0.0)), MOST_WAVES)
     lobes = max(leaf.lobes for leaf in leaves)
     return 12 + 2 * waves, 48 + 12 * waves + 4 * lobes
 
@@ -172,7 +188,7 @@ def _describe_needle(stem: Stem, scanner: Floats) -> LeafTruth:
     axis, centre = end - start, (start + end) / 2
     length = float(np.linalg.norm(axis))
     back = unit(scanner - centre)
-    normal = back - axis * (axis @ back) / length**2 if length > 0 else back
+    normal = back - axis * (axis @ back) / length**2
     if not normal.any():
         normal = back
     return LeafTruth(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, inf
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +11,11 @@ import numpy as np
 from app.core.arrays import Floats
 from app.core.errors import WrongUse
 from app.simulate.limits import check_not_negative, check_positive
+
+LATTICE = 0.002
+"""Metres between the samples of a range effect."""
+LATTICE_END = 400.0
+"""Metres; an effect is sampled no farther."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +41,9 @@ class InverseSquare:
 
     reference: float
     near: float = 0.0
+
+    NEAREST = 0.0
+    FARTHEST = inf
 
     def __post_init__(self) -> None:
         check_positive("The reference range", self.reference)
@@ -103,3 +112,22 @@ class Hancock:
 
 
 RangeEffect: TypeAlias = NoEffect | InverseSquare | Hancock
+
+
+def sample_strength(effect: InverseSquare | Hancock, channels: int, farthest: float) -> Floats:
+    """f(d) / f(reference) at d = 0, h, 2h … with h = `LATTICE`, (channels, k).
+
+    Between the samples it is linear to 1e-5 from 0.6 m on. Beyond the ranges for which the
+    effect is known it stays as at their ends; at 0 it is what it is at h.
+
+    Parameters
+    ----------
+    effect : InverseSquare or Hancock
+    channels : int
+    farthest : float
+        Metres; the last sample lies there or just behind, at most at `LATTICE_END`.
+    """
+    steps = ceil(min(farthest, LATTICE_END) / LATTICE)
+    away = LATTICE * np.maximum(np.arange(steps + 1), 1)
+    away = np.clip(away, effect.NEAREST, effect.FARTHEST)
+    return np.stack([effect.strength(away, k) for k in range(channels)])

@@ -27,6 +27,9 @@ __all__ = [
 WAVELENGTHS = (76.8, 9.6, 1.2)
 """Modulation wavelengths, metres, coarse to fine. Each is unambiguous over half its length."""
 
+MOST_RETURNS = 15
+"""Returns per beam that a LAS file can number."""
+
 Pick: TypeAlias = Literal["first", "strongest", "last", "all"]
 
 
@@ -91,8 +94,8 @@ class Pulsed:
         check_not_negative("The distance over which returns blend", self.blend)
         check_choice("The return that is picked", self.pick, get_args(Pick))
         check_share("The least share of a return", self.least)
-        if self.most < 1:
-            raise WrongUse(f"A beam cannot have {self.most} returns.", "Give 1 or more.")
+        if not 1 <= self.most <= MOST_RETURNS:
+            raise WrongUse(f"A beam cannot have {self.most} returns.", f"Give 1 to {MOST_RETURNS}.")
 
 
 Ranging: TypeAlias = PhaseShift | Pulsed

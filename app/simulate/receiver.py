@@ -10,7 +10,7 @@ import numpy as np
 
 from app.core.arrays import Bools, Floats, Ints
 from app.core.errors import WrongUse
-from app.simulate.limits import check_choice, check_not_negative, check_share
+from app.simulate.limits import check_choice, check_not_negative, check_positive, check_share
 
 BRIGHT = 0.9
 """Reflectance at which `Receiver.range_noise` is stated."""
@@ -33,7 +33,8 @@ class Receiver:
     intensity_noise : float
         σ of a reflectance, as a fraction of it.
     threshold : float
-        Weakest reflectance times share of the beam that gives a return.
+        Weakest reflectance times share of the beam that gives a return, at any range: how far
+        the instrument sees is said by `farthest`, as data sheets do.
     correlation : str
         Range noise of neighbours: ``white``, or ``filtered``: averaged over 3 × 3 cells of the
         grid and rescaled, so that σ stays as stated.
@@ -41,6 +42,9 @@ class Receiver:
         Share of the returns lost at random.
     nearest, farthest : float
         Ranges between which there are returns, metres.
+    reference : float, optional
+        Range at which `range_noise` is stated, metres; σ then follows the received power, which
+        falls with the square of the range. Without it σ depends on the reflectance alone.
     """
 
     range_noise: float = 0.0
@@ -51,6 +55,7 @@ class Receiver:
     dropout: float = 0.0
     nearest: float = 0.0
     farthest: float = inf
+    reference: float | None = None
 
     def __post_init__(self) -> None:
         check_not_negative("The range noise", self.range_noise)
@@ -60,6 +65,8 @@ class Receiver:
         check_choice("The correlation of the range noise", self.correlation, get_args(Correlation))
         check_share("The share of returns lost", self.dropout)
         check_not_negative("The nearest range", self.nearest)
+        if self.reference is not None:
+            check_positive("The range at which the range noise is stated", self.reference)
         if not self.nearest < self.farthest:
             raise WrongUse(
                 f"Ranges cannot lie between {self.nearest:g} and {self.farthest:g} m.",
@@ -67,18 +74,25 @@ class Receiver:
             )
 
 
-def range_sigma(echo: Floats, receiver: Receiver) -> Floats:
+def range_sigma(echo: Floats, distance: Floats, receiver: Receiver) -> Floats:
     """σ of the range of each return, (n,) metres.
+
+    The power received is that of an ideal instrument, echo · (reference / distance)², down to
+    the scanner itself: optics that hold back light near by are no part of it.
 
     Parameters
     ----------
     echo : (n,) array
         Noise-free reflectance × share of the beam, in the channel that measures the range.
+    distance : (n,) array
+        Noise-free range, metres.
     receiver : Receiver
     """
     weakest = max(receiver.threshold, FAINT)
-    scale = (BRIGHT / np.maximum(echo, weakest)) ** receiver.range_noise_power
-    return np.asarray(receiver.range_noise * scale, np.float64)
+    weaker = BRIGHT / np.maximum(echo, weakest)
+    if receiver.reference is not None:
+        weaker = weaker * (distance / receiver.reference) ** 2
+    return np.asarray(receiver.range_noise * weaker**receiver.range_noise_power, np.float64)
 
 
 def draw_noise(

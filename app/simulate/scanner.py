@@ -64,6 +64,9 @@ class Echoes:
     incidence : (n,) angle there, at the sub-ray nearest to the beam's centre, radians
     normal : (n, 3) unit normal of the facet there, facing the scanner
     energy : (n, channels) reflectance × share, for the reported range
+    received : (n, channels) the same with the noise of a digitised waveform
+    wander : (n, 4) what that noise did to the range, metres; σ of that, of an energy in the
+        ranging channel and of one in another
     surface, share : (n, 3) surfaces and their shares of the beam; −1 and 0. The main surface,
         the one that sends back most in the ranging channel, comes first, and so on
     touched : (n,) how many surfaces the return is made of
@@ -77,6 +80,8 @@ class Echoes:
     incidence: Floats
     normal: Floats
     energy: Floats
+    received: Floats
+    wander: Floats
     surface: AnyArray
     share: Floats
     touched: AnyArray
@@ -183,7 +188,7 @@ def _make_room(beams: int, instrument: Instrument, keep_waveforms: bool) -> Retu
     most = ranging.most if isinstance(ranging, Pulsed) and ranging.pick == "all" else 1
     wave, rows = _waveform(instrument) if keep_waveforms else None, beams * most
     return kernel.ReturnTable(
-        np.empty((rows, kernel.ENERGY + channels)),
+        np.empty((rows, kernel.ENERGY + channels * (2 if _waveform(instrument) else 1))),
         np.zeros((rows, kernel.WAVE + 1), np.int64),
         np.empty((beams if wave else 0, channels, wave.samples if wave else 0), np.float32),
         np.empty(beams if wave else 0),
@@ -206,6 +211,7 @@ def _join(bands: list[ReturnTable], instrument: Instrument) -> Echoes:
     values = np.concatenate([band.values for band in bands])
     labels = np.concatenate([band.labels for band in bands])
     wave, waveforms = _waveform(instrument), None
+    channels = len(instrument.wavelengths_nm)
     if wave is not None and bands[0].wave.shape[2]:
         before = np.cumsum([0, *(len(band.wave) for band in bands[:-1])])
         waveforms = Waveforms(
@@ -221,9 +227,11 @@ def _join(bands: list[ReturnTable], instrument: Instrument) -> Echoes:
         shift=values[:, kernel.SHIFT],
         incidence=values[:, kernel.OMEGA],
         normal=values[:, kernel.NORMAL : kernel.SHARE],
-        energy=values[:, kernel.ENERGY :],
+        energy=values[:, kernel.ENERGY : kernel.ENERGY + channels],
+        received=values[:, -channels:],
+        wander=values[:, kernel.WANDER : kernel.ENERGY] if wave else np.zeros((len(values), 4)),
         surface=labels[:, kernel.SURFACE : kernel.TOUCHED].astype(np.int32),
-        share=values[:, kernel.SHARE : kernel.ENERGY],
+        share=values[:, kernel.SHARE : kernel.WANDER],
         touched=labels[:, kernel.TOUCHED],
         waveforms=waveforms,
     )

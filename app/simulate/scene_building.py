@@ -8,14 +8,15 @@ from collections import Counter
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.errors import BadInput, LeafscopeError
+from app.core.errors import BadInput, LeafscopeError, WrongUse
 from app.core.units import group_digits, to_degrees
+from app.model.scan import Vector
 from app.simulate.beam import BeamGrid, angles_of, grid_of_field
 from app.simulate.bounds import enclose
 from app.simulate.parts import AnyPart, Pieces, Surroundings, assemble
 from app.simulate.parts.wall import BACKGROUND
 from app.simulate.scene_file import SceneFile
-from app.simulate.surfaces import Scene
+from app.simulate.surfaces import Scene, Stem
 from app.simulate.wind import apply_wind
 
 MOST_BEAMS = 200_000_000
@@ -32,8 +33,8 @@ def build_scene(scene_file: SceneFile, wavelengths_nm: tuple[float, ...]) -> Sce
     Raises
     ------
     BadInput
-        A part cannot be built as it is told, or a material is unknown, or not at these
-        wavelengths; names the part.
+        A part cannot be built as it is told, or the scanner is inside one of its stems, or a
+        material is unknown, or not at these wavelengths; names the part.
     """
     seen: Counter[str] = Counter()
     pieces = []
@@ -97,21 +98,31 @@ def fit_field(
             f"{scene.name} has nothing but walls, to which no field can be fitted.",
             "Give `field` with azimuth_deg and elevation_deg.",
         )
-    elevation, azimuth = angles_of(_corners(low, high), np.array(scanner))
-    middle = np.arctan2(np.sin(azimuth).mean(), np.cos(azimuth).mean())
-    side = (azimuth - middle + np.pi) % (2 * np.pi) - np.pi + middle
-    across = _widen(to_degrees(side), margin_deg, np.inf)
+    place = np.array(scanner)
+    across = _widen(to_degrees(_turn(low, high, place)), margin_deg, np.inf)
     above = ((low[:, :2] <= scanner[:2]) & (high[:, :2] >= scanner[:2])).all(axis=1)
     if above.any() or across[1] - across[0] > 360:
         across = (-180.0, 180.0)
-    return across, _widen(to_degrees(elevation), margin_deg, 90.0)
+    return across, _widen(to_degrees(_rise(low, high, place)), margin_deg, 90.0)
 
 
 def _build(part: AnyPart, where: str, surroundings: Surroundings) -> Pieces:
     try:
-        return part.build(surroundings)
+        pieces = part.build(surroundings)
+        _check_outside(pieces.stems, surroundings.scanner)
     except LeafscopeError as error:
         raise BadInput(f"{where}: {error.what}", error.hint) from error
+    return pieces
+
+
+def _check_outside(stems: tuple[Stem, ...], scanner: Vector) -> None:
+    """Refuse a scanner inside a stem, which would see through the wood."""
+    ends = np.array([(stem.start, stem.end) for stem in stems], float).reshape(-1, 2, 3)
+    axis, away = ends[:, 1] - ends[:, 0], np.array(scanner) - ends[:, 0]
+    place = np.clip((away * axis).sum(axis=1) / (axis * axis).sum(axis=1), 0.0, 1.0)
+    distance = np.linalg.norm(away - place[:, None] * axis, axis=1)
+    if (distance <= [stem.radius for stem in stems]).any():
+        raise WrongUse(f"The scanner, at {scanner}, is inside a stem.", "Move one of them.")
 
 
 def _make_generator(seed: int, key: str) -> np.random.Generator:
@@ -119,12 +130,34 @@ def _make_generator(seed: int, key: str) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
 
 
-def _corners(low: Floats, high: Floats) -> Floats:
-    """The eight corners of each box, (8 n, 3)."""
-    both = np.stack([low, high])
-    picks = [(a, b, c) for a in (0, 1) for b in (0, 1) for c in (0, 1)]
-    columns = [np.stack([both[p[k], :, k] for k in range(3)], axis=1) for p in picks]
-    return np.concatenate(columns)
+def _turn(low: Floats, high: Floats, scanner: Floats) -> Floats:
+    """Azimuths of the upright edges of boxes, (2, 2, n) radians.
+
+    No box is torn apart where azimuth jumps by a circle.
+    """
+    _, middle = angles_of((low + high) / 2, scanner)
+    home = np.arctan2(np.sin(middle).mean(), np.cos(middle).mean())
+    x, y = (np.stack([low[:, k], high[:, k]]) - scanner[k] for k in (0, 1))
+    edges = np.arctan2(y, x[:, None])
+    turned: Floats = home + _wrap(middle - home) + _wrap(edges - middle)
+    return turned
+
+
+def _rise(low: Floats, high: Floats, scanner: Floats) -> Floats:
+    """Lowest and highest elevation of boxes, (2, n) radians.
+
+    A box above the scanner is highest where it is nearest, on an edge or a face as may be.
+    """
+    under, over = low - scanner, high - scanner
+    near = np.hypot(*np.maximum(np.maximum(under, -over), 0.0)[:, :2].T)
+    far = np.hypot(*np.maximum(np.abs(under), np.abs(over))[:, :2].T)
+    lowest = np.arctan2(under[:, 2], np.where(under[:, 2] < 0, near, far))
+    return np.stack([lowest, np.arctan2(over[:, 2], np.where(over[:, 2] > 0, near, far))])
+
+
+def _wrap(angle: Floats) -> Floats:
+    """Angles within half a circle of 0, radians."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _widen(angles: Floats, margin: float, most: float) -> Interval:

@@ -58,13 +58,20 @@ def run_simulation(
     receiver, ranging = instrument.receiver, instrument.ranging_channel
     chosen = choose_returns(echoes.distance, echoes.energy[:, ranging], receiver, random)
     echoes = echoes.take(np.flatnonzero(chosen))
-    sigma = range_sigma(echoes.energy[:, ranging], receiver)
+    sigma = range_sigma(echoes.energy[:, ranging], echoes.distance, receiver)
     shape = (grid.rows, grid.columns)
     noise = draw_noise(shape, echoes.cell, receiver.correlation, random)
-    recorded = record(echoes.energy, echoes.distance, instrument.detector, receiver, random)
+    own = np.arange(len(instrument.wavelengths_nm)) == ranging
+    spread = np.where(own, echoes.wander[:, 2:3], echoes.wander[:, 3:])
+    recorded = record(
+        echoes.received, echoes.distance, instrument.detector, receiver, random, spread
+    )
     beams = grid.directions_of(echoes.cell)
-    xyz = np.array(origin) + (echoes.distance + sigma * noise)[:, None] * beams
-    attributes = _name_values(instrument, recorded) | tell_truth(scene, echoes, sigma)
+    reported = echoes.distance + echoes.wander[:, 0] + sigma * noise
+    xyz = np.array(origin) + reported[:, None] * beams
+    attributes = _name_values(instrument, recorded) | tell_truth(
+        scene, echoes, np.hypot(sigma, echoes.wander[:, 1])
+    )
     attributes |= _name_deviations(instrument, recorded)
     if not isinstance(instrument.ranging, PhaseShift) and instrument.ranging.pick == "all":
         attributes |= number_returns(echoes.cell)
@@ -140,6 +147,7 @@ def _name_deviations(instrument: Instrument, recorded: Recorded) -> dict[str, An
 
 def _describe(scene: Scene, instrument: Instrument, seed: int) -> dict[str, str]:
     facts = {"instrument": f"simulated: {instrument.title}", "seed": str(seed)}
-    facts["range noise"] = instrument.receiver.correlation
+    silent = instrument.receiver.range_noise == 0
+    facts["range noise"] = "none" if silent else instrument.receiver.correlation
     notes = {f"instrument note {k}": note for k, note in enumerate(instrument.notes, start=1)}
     return facts | notes | name_surfaces(scene)

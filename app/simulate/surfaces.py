@@ -13,6 +13,10 @@ from app.simulate.material import Material
 
 SLAB_MARGIN = 1e-4
 """Metres: keeps a crossing at the very top of a leaf inside its slab."""
+MOST_BENT = 0.95
+"""Largest curvature · radius of a leaf: nearer to 1 its rim would stand upright."""
+SHORTEST_WAVE, STEEPEST_WAVE = 0.005, 3.0
+"""Metres, and a slope: the tracer would step over shorter or steeper wrinkles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +72,23 @@ class Leaf:
     water: float = 1.0
 
     def __post_init__(self) -> None:
-        if abs(self.curvature) * self.radius() > 0.95:
+        if abs(self.curvature) * self.radius() > MOST_BENT:
             raise WrongUse(
-                f"A leaf {self.length} m long cannot be bent to {self.curvature} per metre.",
-                "Its radius of curvature must be larger than its half length.",
+                f"A leaf {self.length:g} m long and {self.width:g} m wide cannot be bent to "
+                f"{self.curvature:g} per metre.",
+                f"A circle about its outline, taper included, has a radius of {self.radius():.3g} "
+                f"m, so that about {MOST_BENT / self.radius():.3g} per metre are the most.",
+            )
+        if self.wrinkle_height and min(self.wrinkle_lengths) < SHORTEST_WAVE:
+            raise WrongUse(
+                f"A leaf cannot have wrinkles {min(self.wrinkle_lengths):g} m long.",
+                f"The shortest wave that the tracer can follow is {SHORTEST_WAVE:g} m.",
+            )
+        if self.wave_slope() > STEEPEST_WAVE:
+            raise WrongUse(
+                f"Wrinkles {abs(self.wrinkle_height):g} m high and {min(self.wrinkle_lengths):g} m "
+                f"long are too steep: 2π · height / length is {self.wave_slope():.3g}.",
+                f"Make them lower or longer: {STEEPEST_WAVE:g} is the most.",
             )
 
     def frame(self) -> Floats:
@@ -87,11 +104,14 @@ class Leaf:
         """Radius of a sphere about the centre that holds the leaf."""
         return float(np.hypot(self.radius(), max(map(abs, self.slab()))))
 
+    def wave_slope(self) -> float:
+        """Upper bound of the slope of its wrinkles."""
+        return float(2 * np.pi * abs(self.wrinkle_height) / min(self.wrinkle_lengths))
+
     def steepest(self) -> float:
         """Upper bound of the slope of its height over the plane."""
         edge = abs(self.curvature) * self.radius()
-        wave = 2 * np.pi * abs(self.wrinkle_height) / min(self.wrinkle_lengths)
-        return float(edge / np.sqrt(1 - edge**2) + wave)
+        return float(edge / np.sqrt(1 - edge**2)) + self.wave_slope()
 
     def slab(self) -> tuple[float, float]:
         """Lowest and highest height over the plane, with a margin."""
@@ -120,6 +140,13 @@ class Stem:
     radius: float
     material: Material
     label: int = -1
+
+    def __post_init__(self) -> None:
+        if self.start == self.end:
+            raise WrongUse(
+                f"A stem cannot start and end at the same place, {self.start}.",
+                "Move one end away from the other, a millionth of a metre for a ball.",
+            )
 
 
 @dataclass(frozen=True, slots=True)

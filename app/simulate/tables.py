@@ -9,8 +9,10 @@ import numpy as np
 from app.core.arrays import Floats
 from app.core.errors import WrongUse
 from app.core.phase import get_model
+from app.simulate.detector import tabulate_strength
 from app.simulate.instrument import Instrument
 from app.simulate.material import Sheen
+from app.simulate.range_effect import LATTICE
 from app.simulate.ranging import PhaseShift, count_octaves
 from app.simulate.surfaces import Leaf, Scene, Stem, Wall, stack_frames
 
@@ -85,6 +87,8 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
     from app.core.kernels import echoes
 
     bundle, ranging = instrument.bundle, instrument.ranging
+    channels, reach = len(instrument.wavelengths_nm), instrument.receiver.farthest
+    strength = tabulate_strength(instrument.detector, channels, reach)
     shape = (
         np.ascontiguousarray(bundle.subrays().T),
         bundle.exit_diameter / 2,
@@ -94,7 +98,9 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
     if isinstance(ranging, PhaseShift):
         waves = np.array(ranging.wavelengths, float)
         octaves = count_octaves(ranging.wavelengths)
-        return echoes.BeamTable(*shape, waves, octaves, 0.0, 0.0, 0.0, 1, 0, 0.0, 0.0, 0.0)
+        return echoes.BeamTable(
+            *shape, waves, octaves, 0.0, 0.0, 0.0, 1, 0, 0.0, 0.0, 0.0, strength, LATTICE
+        )
     pick = {
         "first": echoes.FIRST,
         "strongest": echoes.STRONGEST,
@@ -114,6 +120,8 @@ def tabulate_beam(instrument: Instrument) -> BeamTable:
         pick,
         ranging.pulse,
         *digitiser,
+        strength,
+        LATTICE,
     )
 
 

@@ -10,7 +10,9 @@ import msgspec
 
 from app.core.progress import QUIET, Progress
 from app.simulate.beam import BeamGrid
+from app.simulate.detector import Detector, Ideal
 from app.simulate.instrument import Instrument, get_instrument, read_instrument
+from app.simulate.ranging import Pulsed, Ranging
 from app.simulate.scene_building import build_scene, lay_grid
 from app.simulate.scene_file import SceneFile, get_scene, read_scene
 from app.simulate.simulation import Simulation, run_simulation
@@ -63,8 +65,8 @@ def simulate(
     step_deg : float, optional
         Step between beams; the scene's, or the instrument's, when left out.
     noise : {"none", "white", "filtered"}, optional
-        Range noise, for filtered averaged over 3 × 3 neighbours; none takes the noise of
-        intensity away too. The instrument's when left out.
+        Range noise, for filtered averaged over 3 × 3 neighbours; none takes all other noise
+        away too, and dropouts. The instrument's when left out.
     keep_waveforms : bool
         Keep the digitised returns, where the instrument digitises.
 
@@ -79,7 +81,7 @@ def simulate(
     known = scene if isinstance(scene, SceneFile) else find_scene(scene)
     if seed is not None:
         known = msgspec.structs.replace(known, seed=seed)
-    tool = instrument or known.instrument
+    tool = known.instrument if instrument is None else instrument
     tool = tool if isinstance(tool, Instrument) else find_instrument(tool)
     tool = tool if noise is None else set_noise(tool, noise)
     return arrange(known, tool, step_deg).scan(keep_waveforms, progress)
@@ -88,7 +90,8 @@ def simulate(
 def arrange(scene: SceneFile, instrument: Instrument, step_deg: float | None = None) -> Setup:
     """Build a scene and lay the beams; raises as `simulate` does."""
     built = build_scene(scene, instrument.wavelengths_nm)
-    grid = lay_grid(scene, built, step_deg or scene.step_deg or instrument.step_deg)
+    own = instrument.step_deg if scene.step_deg is None else scene.step_deg
+    grid = lay_grid(scene, built, own if step_deg is None else step_deg)
     return Setup(scene, instrument, built, grid)
 
 
@@ -107,9 +110,29 @@ def find_instrument(name: str) -> Instrument:
 
 
 def set_noise(instrument: Instrument, noise: Noise) -> Instrument:
-    """The instrument with its range noise white, filtered, or no noise at all."""
+    """The instrument with its range noise white, filtered, or no noise at all.
+
+    DN stay whole numbers: rounding is no noise.
+    """
     receiver = instrument.receiver
     if noise != "none":
         return replace(instrument, receiver=replace(receiver, correlation=noise))
     silent = replace(receiver, range_noise=0.0, intensity_noise=0.0, dropout=0.0)
-    return replace(instrument, receiver=silent)
+    return replace(
+        instrument,
+        receiver=silent,
+        detector=_silence_detector(instrument.detector),
+        ranging=_silence_ranging(instrument.ranging),
+    )
+
+
+def _silence_detector(detector: Detector) -> Detector:
+    if isinstance(detector, Ideal):
+        return detector
+    return replace(detector, scale=replace(detector.scale, electronic_noise=0.0))
+
+
+def _silence_ranging(ranging: Ranging) -> Ranging:
+    if not isinstance(ranging, Pulsed) or ranging.waveform is None:
+        return ranging
+    return replace(ranging, waveform=replace(ranging.waveform, noise=0.0))

@@ -15,6 +15,7 @@ ABOVE_NOISE = 4.0
 """A sample counts as signal above this many σ of the noise."""
 LEAD = 2.0
 """The record starts this many pulse lengths before the first echo."""
+MOST_SAMPLES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +40,10 @@ class Waveform:
     def __post_init__(self) -> None:
         check_positive("The step between samples of a waveform", self.step)
         check_not_negative("The noise of a waveform", self.noise)
-        if not 8 <= self.samples <= 65536:
+        if not 8 <= self.samples <= MOST_SAMPLES:
             raise WrongUse(
-                f"A waveform cannot have {self.samples} samples.", "Give a number from 8 to 65536."
+                f"A waveform cannot have {self.samples} samples.",
+                f"Give a number from 8 to {MOST_SAMPLES}.",
             )
 
 
@@ -78,14 +80,16 @@ def find_returns(
     """Range and energy of the returns in a record, in order of range.
 
     A return is a run of samples above both `ABOVE_NOISE` σ and the share `least` of the highest
-    one. Its range is their centroid, its energy their sum (science 1.4: the sum method), as the
-    reflectance of a full hit; what the pulse's feet hold below the gate is missing from it.
+    one. Its range is the centroid of what rises over that gate, its energy the sum of the samples
+    (science 1.4: the sum method), as the reflectance of a full hit; what the pulse's feet hold
+    below the gate is missing from it.
     """
     gate = max(ABOVE_NOISE * waveform.noise, least * float(values.max()))
     above = np.concatenate([[False], values > gate, [False]])
     edges = np.flatnonzero(above[1:] != above[:-1]).reshape(-1, 2)
     runs = [slice(first, end) for first, end in edges]
     sums = np.array([values[run].sum() for run in runs])
-    centroids = np.array([values[run] @ ranges[run] / values[run].sum() for run in runs])
+    over = values - gate
+    centroids = np.array([over[run] @ ranges[run] / over[run].sum() for run in runs])
     # The sum of a Gaussian's samples is its area over the step.
     return centroids, sums * waveform.step / (pulse * sqrt(pi / (4 * log(2))))

@@ -70,8 +70,10 @@ def test_replay_gives_the_same_numbers_bit_for_bit(
     expected = measure_leaves(project, KEY)
     assert len(rows) == len(expected)
     for row, leaf in zip(rows, expected, strict=True):
-        assert float(row["incidence_plane_deg"]) == leaf["incidence_plane_deg"]
-        assert float(row["ndi_of_means"]) == leaf["ndi_of_means"]
+        for name in ("incidence_plane_deg", "ndi_of_means"):
+            # An empty cell is a leaf without a plane.
+            np.testing.assert_equal(float(row[name] or "nan"), leaf[name])
+    assert any(row["incidence_plane_deg"] for row in rows)
     assert json.loads((out / "report.json").read_text())["scans"] == report["scans"]
 
 

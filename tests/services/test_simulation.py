@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import csv
 import json
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from app.core.errors import BadInput, Cancelled, LeafscopeError, WrongUse
 from app.core.progress import LiveProgress
-from app.services.reading import read_file
+from app.services.reading import SHARE_OF_FREE, read_file
 from app.services.simulation import Targets, simulate_file
-from app.services.simulation_order import Order, estimate, refuse_too_large, set_up
+from app.services.simulation_order import Estimate, Order, estimate, refuse_too_large, set_up
 from app.simulate.virtual_scan import simulate
 
 COARSE = Order("leaf", step_deg=0.1)
@@ -123,6 +125,15 @@ def test_the_table_of_leaves_counts_their_points(tmp_path: Path) -> None:
     assert {"kind", "area_m2", "centre_x", "normal_z", "water", "rho_1063"} <= set(rows[0])
 
 
+def test_a_table_without_leaves_has_its_header(tmp_path: Path) -> None:
+    full, bare = (Targets(tmp_path / f"{n}.npz", tmp_path / f"{n}.csv") for n in ("full", "bare"))
+    simulate_file(COARSE, full)
+    simulate_file(Order("panels", step_deg=0.2), bare)
+    assert full.leaves is not None
+    assert bare.leaves is not None
+    assert bare.leaves.read_text().splitlines() == full.leaves.read_text().splitlines()[:1]
+
+
 def test_waveforms_belong_to_their_points(tmp_path: Path) -> None:
     targets = Targets(tmp_path / "row.npz", waveforms=tmp_path / "waves.npz")
     simulate_file(Order("leaf_row", "salca", step_deg=0.2), targets)
@@ -226,6 +237,22 @@ def test_a_scan_that_the_memory_would_not_hold_is_refused(monkeypatch: pytest.Mo
     monkeypatch.setattr("psutil.virtual_memory", Little)
     with pytest.raises(BadInput, match="larger step"):
         refuse_too_large(setup, found)
+
+
+@pytest.mark.parametrize("waveforms", [False, True])
+def test_what_threads_hold_while_they_digitise_counts(
+    waveforms: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order = Order("leaf", "salca", step_deg=0.1)
+    setup = set_up(order.document(), order.origin)
+    noise = 3 * 8 * setup.grid.columns * 2 * 256 * 4  # threads, rows, columns, channels, samples
+    monkeypatch.setattr("app.services.simulation_order.count_processors", lambda: 3)
+    need = noise * 2 if waveforms else noise  # those that are kept need room too
+    for free, enough in ((need * 1.01, True), (need * 0.99, False)):
+        memory = SimpleNamespace(available=free / SHARE_OF_FREE)
+        monkeypatch.setattr("psutil.virtual_memory", lambda memory=memory: memory)
+        with nullcontext() if enough else pytest.raises(BadInput, match="larger step"):
+            refuse_too_large(setup, Estimate(0, 0), waveforms)
 
 
 def test_no_noise_on_request(tmp_path: Path) -> None:

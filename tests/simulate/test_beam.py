@@ -54,3 +54,27 @@ def test_impossible_steps_are_refused(step):
 
 def test_grid_is_a_value():
     assert BeamGrid(0, 0, 1, 2, 3) == BeamGrid(0, 0, 1, 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("field", "step", "columns"),
+    [
+        ((0.0, 1.0), 0.1, 11),
+        ((0.0, 1.2), 0.1, 13),
+        ((-0.3, 0.3), 0.2, 4),
+        ((0.2, 0.3), 0.1, 2),
+        ((0.0, 1.19), 0.1, 12),
+    ],
+)
+def test_a_field_that_the_step_divides_has_both_its_ends(field, step, columns):
+    grid = grid_of_field(step, field, field)
+    assert (grid.rows, grid.columns) == (columns, columns)
+
+
+@pytest.mark.parametrize(("step", "columns"), [(10, 36), (0.1, 3600), (0.018, 20000), (7, 52)])
+@pytest.mark.parametrize("middle", [0, 33.3])
+def test_a_full_circle_has_no_direction_twice(step, columns, middle):
+    grid = grid_of_field(step, (middle - 180, middle + 180), (-10, 10))
+    assert grid.columns == columns
+    gap = 2 * np.pi - np.deg2rad(step) * (columns - 1)
+    assert 1e-6 < gap < np.deg2rad(step) * (1 + 1e-6)

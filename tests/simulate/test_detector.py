@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from app.core.errors import WrongUse
-from app.simulate.detector import Digitiser, Ideal, Linear, Logarithmic, Salca, record
+from app.simulate.detector import (
+    Digitiser,
+    Ideal,
+    Linear,
+    Logarithmic,
+    Salca,
+    record,
+    tabulate_strength,
+)
 from app.simulate.range_effect import Hancock, InverseSquare
 from app.simulate.receiver import Receiver
 
@@ -101,6 +109,40 @@ def test_values_scatter_as_their_sigma_says(detector, distance):
     receiver = Receiver(intensity_noise=0.03)
     found = record(echo, np.full(count, distance), detector, receiver, random(3))
     np.testing.assert_allclose(found.values.std(axis=0), found.sigma[0], rtol=0.03)
+
+
+@pytest.mark.parametrize("detector", [Ideal(), LINEAR, LOGARITHMIC, SALCA])
+@pytest.mark.parametrize("distance", [2.5, 9.0])
+def test_scatter_that_the_echo_has_already_enters_the_sigma_and_only_that(detector, distance):
+    count, drawn = 40_000, random(8)
+    scatter = np.array([0.012, 0.004])
+    echo = np.array([0.4, 0.08]) + scatter * drawn.standard_normal((count, 2))
+    receiver, away = Receiver(intensity_noise=0.02), np.full(count, distance)
+    sigmas = np.tile(scatter, (count, 1))
+    found = record(echo, away, detector, receiver, random(3), sigmas)
+    np.testing.assert_allclose(found.values.std(axis=0), found.sigma.mean(axis=0), rtol=0.03)
+    unaware = record(echo, away, detector, receiver, random(3))
+    np.testing.assert_array_equal(found.values, unaware.values)
+    assert (found.sigma > unaware.sigma).all()
+
+
+@pytest.mark.parametrize("detector", AMPLIFIERS)
+def test_tabulated_strength_is_that_of_the_range_effect(detector):
+    table = tabulate_strength(detector, 2, 60.0)
+    lattice = 0.002 * np.arange(table.shape[1])
+    assert table.shape[0] == 2
+    assert 60.0 <= lattice[-1] < 60.004
+    assert np.isfinite(table).all()
+    away = random(1).uniform(2.0 if detector is SALCA else 0.6, 60.0, 5000)
+    for channel in (0, 1):
+        found = np.interp(away, lattice, table[channel])
+        expected = [fall(detector, distance, channel) for distance in away]
+        np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("detector", [Ideal(), Linear((3e-4, 5e-4), (0.37, 0.1), WIDE)])
+def test_no_range_effect_is_an_empty_table(detector):
+    assert tabulate_strength(detector, 2, 60.0).shape == (2, 0)
 
 
 def test_both_ends_of_the_scale():

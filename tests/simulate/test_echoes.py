@@ -96,9 +96,12 @@ def test_waveforms_and_their_returns_are_those_of_the_plain_sums(scene, noise):
     drawn = np.random.default_rng((5, 0)).standard_normal((1, 2, 160), np.float32)[0, 0]
     weights = plain[:, 1] * near**2
     expected = pulsed_ranges(plain[:, 0], weights, ranging, drawn)
-    energies = echoes.energy[:, 0] * (near / echoes.distance) ** 2
-    found = list(zip(echoes.distance, energies, strict=True))
+    reported = echoes.distance + echoes.wander[:, 0]
+    found = list(zip(reported, echoes.received[:, 0] * (near / reported) ** 2, strict=True))
     np.testing.assert_allclose(found, expected, rtol=1e-5)
+    if noise == 0:
+        assert not echoes.wander.any()
+        np.testing.assert_array_equal(echoes.energy, echoes.received)
     waves = echoes.waveforms
     assert waves.samples.shape == (1, 2, 160)
     assert waves.start[0] == pytest.approx(near - 0.3, abs=1e-6)
@@ -129,3 +132,42 @@ def test_a_return_of_one_group_knows_only_its_own_surfaces():
     assert echoes.off_surface[0] == pytest.approx(expected, abs=1e-6)
     assert echoes.off_surface[1] == pytest.approx(0.0, abs=1e-6)
     np.testing.assert_allclose(echoes.normal, [[-1, 0, 0]] * 2, atol=1e-9)
+
+
+def wall_by(name, rho, **changes):
+    tool = replace(get_instrument(name), **changes)
+    materials = tuple(matt(rho) for _ in tool.wavelengths_nm)
+    wall = Wall((5.0, 0.0, 0.0), (0, 1.0, 0), (0, 0, 1.0), materials)
+    scene = Scene("wall", walls=(wall,), wavelengths_nm=tool.wavelengths_nm)
+    grid = BeamGrid(0.05, 0.05, 0.002, 50, 50)
+    return grid, trace_beams(scene, grid, tool, HERE, 1)
+
+
+@pytest.mark.parametrize("name", ["salca", "hsl"])
+def test_noise_in_waveforms_is_no_part_of_the_truth(name):
+    grid, echoes = wall_by(name, 0.05)
+    exact = 5.0 / grid.directions_of(echoes.cell)[:, 0]
+    assert np.abs(echoes.distance - exact).max() < 0.001
+    assert (echoes.off_surface < 0.001).all()
+    assert echoes.wander[:, 0].std() == pytest.approx(echoes.wander[:, 1].mean(), rel=0.2)
+    spread = (echoes.received - echoes.energy).std(axis=0)
+    own = get_instrument(name).ranging_channel
+    assert spread[own] == pytest.approx(echoes.wander[:, 2].mean(), rel=0.1)
+    assert np.delete(spread, own) == pytest.approx(echoes.wander[:, 3].mean(), rel=0.1)
+
+
+def test_a_logarithmic_amplifier_adds_up_what_reaches_it():
+    front, back = 2.0, 5.0
+    tool = replace(get_instrument("ls880"), bundle=BUNDLE)
+    width = BUNDLE.radius(front)
+    walls = (
+        Wall((front, 0.2 * width - 1.0, 0.0), (0, 1.0, 0), (0, 0, 1.0), (matt(0.4),)),
+        Wall((back, 0.0, 0.0), (0, 2.0, 0), (0, 0, 2.0), (matt(0.6),)),
+    )
+    scene = Scene("two", walls=walls, wavelengths_nm=tool.wavelengths_nm)
+    echoes = trace_beams(scene, ONE_BEAM, tool, HERE)
+    effect = tool.detector.range_effect
+    reach = [effect.strength(np.array([d]), 0)[0] for d in (front, back, echoes.distance[0])]
+    first = echoes.share[0, list(echoes.surface[0]).index(0)]
+    expected = (first * 0.4 * reach[0] + (1 - first) * 0.6 * reach[1]) / reach[2]
+    assert echoes.energy[0, 0] == pytest.approx(expected, rel=1e-4)

@@ -1,5 +1,6 @@
 """Presets against the tables of science.md, and files of users with faults."""
 
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -31,7 +32,8 @@ def respond(name, rho, distance, channel=0):
 
 def test_the_presets_there_are():
     names = [instrument.name for instrument in list_instruments()]
-    assert names == ["hds6100", "hsl", "ls880", "pulsed", "salca", "two_colour", "x330"]
+    real = ["hds6100", "hsl", "ls880", "ls880_filtered", "salca", "x330"]
+    assert names == sorted([*real, "pulsed", "two_colour"])
     for instrument in list_instruments():
         assert get_instrument(instrument.name) == instrument
         assert instrument.title
@@ -100,12 +102,28 @@ def test_ranging():
 
 
 def test_noise():
-    sigma = range_sigma(np.array([0.9, 0.1]), get_instrument("ls880").receiver)
-    np.testing.assert_allclose(sigma, [0.0026, 0.0052], rtol=1e-9)
+    stated = {"ls880": [0.0026, 0.0052], "ls880_filtered": [0.0007, 0.0013]}
+    for name, published in stated.items():
+        receiver = get_instrument(name).receiver
+        sigma = range_sigma(np.array([0.9, 0.1]), np.full(2, 10.0), receiver)
+        np.testing.assert_allclose(sigma, published, rtol=1e-9)
+        near, far = range_sigma(np.full(2, 0.5), np.array([1.0, 70.0]), receiver)
+        assert far / near == pytest.approx(70 ** (2 * receiver.range_noise_power))
+    assert get_instrument("ls880").receiver.correlation == "white"
     teaching = get_instrument("two_colour").receiver
+    assert teaching.reference is get_instrument("pulsed").receiver.reference is None
     assert (teaching.range_noise, teaching.intensity_noise) == (pytest.approx(0.0007), 0.03)
     assert get_instrument("hsl").receiver.intensity_noise == 0.06
     assert isinstance(get_instrument("hsl").detector, Ideal)
+
+
+def test_the_filtered_ls880_is_the_ls880_but_for_its_range_noise():
+    raw, filtered = get_instrument("ls880"), get_instrument("ls880_filtered")
+    own = {name: getattr(raw, name) for name in ("name", "title", "notes")}
+    noise = ("range_noise", "range_noise_power", "correlation")
+    receiver = replace(filtered.receiver, **{name: getattr(raw.receiver, name) for name in noise})
+    assert filtered.receiver.correlation == "filtered"
+    assert replace(filtered, receiver=receiver, **own) == raw
 
 
 @pytest.mark.parametrize(
@@ -226,7 +244,12 @@ def test_a_divergence_may_be_full_or_half_in_either_unit(tmp_path, key, value):
         ("step_deg = 0.018", "step_deg = 1\nstep_mrad = 1", "step_deg, step_mrad"),
         ("step_deg = 0.018", "step_deg = -1", "step between beams"),
         ("exit_diameter_mm = 3.0", 'exit_diameter_mm = "3"', "beam.exit_diameter_mm"),
-        ("exit_diameter_mm = 3.0", "exit_diameter_mm = nan", "[beam]"),
+        ("exit_diameter_mm = 3.0", "exit_diameter_mm = nan", "beam.exit_diameter_mm"),
+        ("exit_diameter_mm = 3.0", "exit_diameter_mm = -1", "beam.exit_diameter_mm"),
+        ("exit_diameter_mm = 3.0", "exit_diameter_mm = 1e300", "beam.exit_diameter_mm"),
+        ("half_divergence_deg = 0.014", "full_divergence_deg = 10.1", "diverge by 5.05°"),
+        ("half_divergence_deg = 0.014", "full_divergence_mrad = nan", "cannot diverge"),
+        ("range_noise_at_m = 10.0", "range_noise_at_m = 0", "[receiver]"),
         ("half_divergence_deg = 0.014", "", "half_divergence_deg"),
         (
             "half_divergence_deg = 0.014",
@@ -248,6 +271,9 @@ def test_a_divergence_may_be_full_or_half_in_either_unit(tmp_path, key, value):
         ("[785.0]", "[785.0, 1550.0]", "2 wavelengths"),
         ("[785.0]", "[]", "no wavelength"),
         ("[785.0]", "[-785.0]", "wavelength"),
+        ("[785.0]", "[0.785]", "wavelengths_nm"),
+        ("[785.0]", "[1e300]", "wavelengths_nm"),
+        ("[785.0]", "[nan]", "wavelength"),
         ("[785.0]", "[785.0", "TOML"),
         ("step_deg = 0.018", "step_deg = 0.018\nranging_channel = 1", "ranging channel"),
     ],
@@ -259,6 +285,20 @@ def test_faults_of_a_file_are_told_in_words(tmp_path, old, new, told):
     assert told in caught.value.what
     assert caught.value.what.endswith(".")
     assert caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('pick = "all"', 'pick = "all"\nmost = 1000000000', "1000000000 returns"),
+        ('pick = "all"', 'pick = "all"\nmost = 16', "16 returns"),
+        ("samples = 256", "samples = 4097", "4097 samples"),
+    ],
+)
+def test_a_beam_cannot_be_made_to_fill_the_memory(tmp_path, old, new, told):
+    with pytest.raises(BadInput, match=told) as caught:
+        read_instrument(write(tmp_path, old, new, "salca"))
+    assert r"mine.toml, [ranging]" in caught.value.what
 
 
 def test_a_wrong_word_is_answered_with_the_right_ones(tmp_path):
@@ -282,3 +322,11 @@ def test_files_that_are_no_instruments(tmp_path):
         path.write_bytes(content)
         with pytest.raises(BadInput, match=r"junk\.toml"):
             read_instrument(path)
+
+
+@pytest.mark.parametrize("pair", [(1550.1, 1550.4), (1549.5, 1550.5), (785.0, 785.0)])
+def test_wavelengths_of_one_name_are_refused(pair):
+    instrument = get_instrument("two_colour")
+    with pytest.raises(WrongUse, match=f"2 wavelengths of two_colour are {pair[0]:.0f} nm"):
+        replace(instrument, wavelengths_nm=pair)
+    assert replace(instrument, wavelengths_nm=(1549.0, 1550.0)).wavelengths_nm == (1549.0, 1550.0)

@@ -124,3 +124,32 @@ def test_kinds_by_what_shapes_a_leaf_most():
     assert name_kind(replace(EGG, curvature=1.0)) == "bent"
     assert name_kind(replace(EGG, curvature=1.0, wrinkle_height=0.001)) == "wrinkled"
     assert name_kind(replace(EGG, wrinkle_height=0.001, lobes=3, lobe_depth=0.2)) == "lobed"
+
+
+def spread_evenly(leaf, count=3000):
+    """Area of a wavy leaf on a raster of squares, slopes in closed form."""
+    edge = (np.arange(count) + 0.5) / count * 2 - 1
+    s, y = np.meshgrid(edge, edge * leaf.width)
+    x = s * leaf.length / 2
+    inside = np.abs(y) < leaf.width / 2 * (1 - leaf.taper * s) * np.sqrt(1 - s * s)
+    (kx, ky), (px, py) = 2 * np.pi / np.array(leaf.wrinkle_lengths), leaf.wrinkle_phases
+    hx = leaf.wrinkle_height * kx * np.cos(kx * x + px) * np.sin(ky * y + py)
+    hy = leaf.wrinkle_height * ky * np.sin(kx * x + px) * np.cos(ky * y + py)
+    area = (np.sqrt(1 + hx**2 + hy**2) * inside).sum()
+    return area * (leaf.length / count) * (2 * leaf.width / count)
+
+
+@pytest.mark.parametrize("slope", [0.6, 1.5, 3.0])
+@pytest.mark.parametrize("lengths", [(0.005, 0.005), (0.005, 10.0), (0.0051, 0.007)])
+def test_fine_steep_wrinkles_are_measured_to_a_ten_thousandth(slope, lengths):
+    height = slope * min(lengths) / (2 * np.pi) * (1 - 1e-12)
+    leaf = replace(EGG, wrinkle_height=height, wrinkle_lengths=lengths, wrinkle_phases=(0.3, 1.0))
+    assert area(leaf) == pytest.approx(spread_evenly(leaf), rel=1e-4)
+
+
+def test_many_finely_wrinkled_leaves_are_measured_in_parts():
+    leaf = replace(EGG, wrinkle_height=0.002, wrinkle_lengths=(0.005, 0.006))
+    found = measure_areas([replace(leaf, length=0.08 + k / 1e4) for k in range(60)])
+    assert found.shape == (60,)
+    assert found[0] == pytest.approx(area(leaf), rel=1e-4)
+    assert found[-1] / found[0] == pytest.approx(0.0859 / 0.08, rel=5e-3)

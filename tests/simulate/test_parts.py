@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from app.core.errors import BadInput
+from app.core.errors import BadInput, WrongUse
 from app.simulate.branch import BARK, LEAF
 from app.simulate.leaf_table import measure_areas, name_kind, tabulate_leaves
 from app.simulate.parts import KINDS, AnyPart, Pieces, Surroundings, assemble
@@ -251,3 +251,37 @@ def test_branch_takes_materials_of_other_wavelengths():
     assert pieces.leaves[0].material[0].rho == pytest.approx(0.07)
     with pytest.raises(BadInput, match="1800 nm"):
         build("branch", wavelengths=(1800.0,))
+
+
+@pytest.mark.parametrize("height", [4.0, -2.0])
+@pytest.mark.parametrize("tilt", [0, 30, -50])
+def test_leaf_straight_above_or_below_the_scanner_has_its_tilt(height, tilt):
+    (row,) = truth(build("leaf", centre=[*SCANNER[:2], height], tilt_deg=tilt))
+    assert row.tilt_deg == pytest.approx(abs(tilt), abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["leaf", "leaf_row", "goniometer", "panel", "shoot"])
+@pytest.mark.parametrize("place", [{"centre": list(SCANNER)}, {"range": 1e-300}])
+def test_nothing_stands_where_the_scanner_is(kind, place):
+    with pytest.raises(WrongUse, match="where the scanner is"):
+        build(kind, **place)
+
+
+def test_a_leaf_of_a_row_cannot_be_where_the_scanner_is():
+    centre = [SCANNER[0], SCANNER[1] - 0.05, SCANNER[2]]
+    with pytest.raises(WrongUse, match="where the scanner is"):
+        build("leaf_row", centre=centre, tilts_deg=[0, 0], spacing=0.1)
+
+
+def test_waves_are_as_long_and_as_gentle_as_the_tracer_needs():
+    with pytest.raises(msgspec.ValidationError, match=r"0\.005"):
+        build("leaf", wrinkle_lengths=[0.0049, 0.01])
+    with pytest.raises(WrongUse, match=r"too steep.*3\.14"):
+        build("leaf", wrinkle_height=-0.0025, wrinkle_lengths=[1, 0.005])
+    assert build("leaf", wrinkle_height=0.0023, wrinkle_lengths=[1, 0.005]).leaves
+
+
+def test_a_leaf_as_long_as_its_frame_hangs_on_no_thread():
+    leaves = {"length": [0.42, 0.42], "width": [0.1, 0.1], "shapes": ["flat"]}
+    pieces = build("leaf_frame", rows=1, columns=1, across=0.42, lean_deg=0, leaves=leaves)
+    assert all(stem.radius > 0.001 for stem in pieces.stems)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.core.errors import WrongUse
-from app.simulate.range_effect import Hancock, InverseSquare, NoEffect
+from app.simulate.range_effect import Hancock, InverseSquare, NoEffect, sample_strength
 
 SALCA = Hancock((1.98, 1.50), (0.54, 0.18), (0.64, 0.84))
 
@@ -66,6 +66,28 @@ def test_the_other_reading_of_the_print_differs_as_science_says(channel, low, hi
 def test_hancock_refuses_ranges_that_were_not_calibrated(distance):
     with pytest.raises(WrongUse, match="not known"):
         SALCA.strength(np.array([5.0, distance]), 0)
+
+
+def test_samples_stay_as_they_are_outside_the_calibrated_ranges():
+    table = sample_strength(SALCA, 2, 80.0)
+    assert table.shape == (2, 40_001)
+    for channel in (0, 1):
+        near, far = SALCA.strength(np.array([2.0, 60.0]), channel)
+        np.testing.assert_array_equal(table[channel, :1001], near)
+        np.testing.assert_array_equal(table[channel, 30_000:], far)
+
+
+@pytest.mark.parametrize("near", [0.0, 3.0])
+def test_samples_of_an_inverse_square_are_finite_at_the_scanner(near):
+    effect = InverseSquare(3.56, near)
+    (row,) = sample_strength(effect, 1, 2.0)
+    assert len(row) == 1001
+    np.testing.assert_allclose(row[1:], effect.strength(0.002 * np.arange(1, 1001), 0))
+    assert row[0] == row[1]
+
+
+def test_a_boundless_receiver_has_a_bounded_table():
+    assert sample_strength(InverseSquare(3.56), 1, np.inf).shape == (1, 200_001)
 
 
 @pytest.mark.parametrize(

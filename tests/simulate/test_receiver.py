@@ -12,21 +12,40 @@ LS880 = Receiver(range_noise=0.0026)
 
 
 def test_range_noise_of_the_ls880():
-    found = range_sigma(np.array([0.9, 0.1]), LS880)
+    found = range_sigma(np.array([0.9, 0.1]), np.full(2, 10.0), LS880)
     np.testing.assert_allclose(found, [0.0026, 0.0052], rtol=1e-12)
+
+
+@given(st.floats(0.02, 1.0), st.floats(0.5, 70.0))
+def test_range_noise_follows_the_received_power_where_its_range_is_stated(echo, distance):
+    """0.9 · (reference / d)² comes back from white; so little does from grey at the reference."""
+    stated = Receiver(range_noise=0.0026, range_noise_power=0.3, threshold=0.0, reference=10.0)
+    away, at_reference = np.array([distance]), np.array([10.0])
+    found = range_sigma(np.array([echo]), away, stated)
+    power = np.array([echo * (10.0 / distance) ** 2])
+    assert found == pytest.approx(range_sigma(power, at_reference, stated), rel=1e-9)
+    plain = Receiver(range_noise=0.0026, range_noise_power=0.3, threshold=0.0)
+    assert range_sigma(np.array([echo]), at_reference, stated) == pytest.approx(
+        range_sigma(np.array([echo]), away, plain)
+    )
+
+
+def test_range_noise_is_finite_at_the_scanner():
+    near = range_sigma(np.array([0.5]), np.zeros(1), Receiver(range_noise=0.001, reference=10.0))
+    np.testing.assert_array_equal(near, 0)
 
 
 @given(st.floats(0.0, 1.2), st.floats(0.0, 1.2))
 def test_weaker_echoes_are_never_more_certain(first, second):
     weak, strong = sorted([first, second])
-    near, far = range_sigma(np.array([weak, strong]), LS880)
+    near, far = range_sigma(np.array([weak, strong]), np.full(2, 5.0), LS880)
     assert near >= far > 0
 
 
 def test_range_noise_is_as_predicted():
     random = np.random.default_rng(1)
     for echo in (0.9, 0.3, 0.05):
-        sigma = range_sigma(np.full(20000, echo), LS880)
+        sigma = range_sigma(np.full(20000, echo), np.full(20000, 5.0), LS880)
         noise = sigma * draw_noise((1, 20000), np.arange(20000), "white", random)
         assert noise.std() == pytest.approx(sigma[0], rel=0.03)
 
@@ -110,6 +129,8 @@ def test_dropouts_lose_their_share():
         {"nearest": -1.0},
         {"nearest": 5.0, "farthest": 4.0},
         {"farthest": np.nan},
+        {"reference": 0.0},
+        {"reference": np.nan},
     ],
 )
 def test_impossible_receivers_are_refused(faults):

@@ -2,14 +2,19 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from app.core.errors import BadInput, WrongUse
+from app.simulate.beam import angles_of
+from app.simulate.branch import MATT
 from app.simulate.instrument import get_instrument
 from app.simulate.leaf_table import tabulate_leaves
 from app.simulate.scene_building import build_scene, fit_field, lay_grid
 from app.simulate.scene_file import decode_scene, get_scene, list_scenes, load_document
 from app.simulate.series import vary
 from app.simulate.simulation import scan_scene
+from app.simulate.surfaces import Scene, Wall
 
 NM = (1063.0, 1545.0)
 LEAF = {"kind": "leaf", "range": 3}
@@ -52,6 +57,9 @@ def test_wind_and_hours_reach_the_leaves():
     [
         ({"kind": "leaf", "material": "leef"}, "no material 'leef'"),
         ({"kind": "leaf", "curvature": 30}, "cannot be bent"),
+        ({"kind": "leaf", "wrinkle_height": 0.02}, "too steep"),
+        ({"kind": "leaf", "centre": [0, 0, 1.6]}, "where the scanner is"),
+        ({"kind": "leaf", "centre": [0, 0, 1.6], "normal": [1, 0, 0]}, "where the scanner is"),
         ({"kind": "leaf", "material": {"rho": {"500": 0.1}}}, "1063 nm"),
     ],
 )
@@ -77,6 +85,44 @@ def test_field_behind_and_above_the_scanner():
     azimuth, elevation = fit_field(above, (0, 0, 1.6), 0.0)
     assert azimuth == (-180, 180)
     assert elevation[1] > 87
+
+
+LONG = {"kind": "stem", "start": [1, -3, 1], "end": [1, 3, 1]}
+BOARD = {"kind": "panel", "size": 2, "range": 1}
+
+
+@pytest.mark.parametrize(("part", "top"), [(LONG, 45.57), (BOARD, 45.0)])
+def test_field_holds_the_middle_of_what_is_long(part, top):
+    _, elevation = fit_field(build(part, position=[0, 0, 0]), (0, 0, 0), 0.0)
+    assert elevation[1] == pytest.approx(top, abs=0.01)
+
+
+@settings(max_examples=200)
+@given(st.lists(st.tuples(*[st.floats(-4, 4)] * 6), min_size=1, max_size=3))
+def test_fitted_field_holds_every_point_of_its_walls(numbers):
+    # Upright or level boards along the axes fill two sides of their boxes.
+    walls = tuple(
+        Wall((x, y, z), (0, a, 0), (b, 0, 0) if level > 0 else (0, 0, b), MATT, name="board")
+        for x, y, z, a, b, level in numbers
+    )
+    azimuth, elevation = fit_field(Scene("boards", walls=walls), (0, 0, 0), 0.0)
+    place = np.linspace(-1, 1, 41)
+    for wall in walls:
+        across, up = (np.multiply.outer(place, edge) for edge in (wall.across, wall.up))
+        points = (across[:, None] + up + wall.centre).reshape(-1, 3)
+        points = points[np.hypot(points[:, 0], points[:, 1]) > 1e-9]
+        rise, side = np.rad2deg(angles_of(points, np.zeros(3)))
+        assert ((rise >= elevation[0] - 1e-9) & (rise <= elevation[1] + 1e-9)).all()
+        assert ((side - azimuth[0] + 1e-9) % 360 <= azimuth[1] - azimuth[0] + 2e-9).all()
+
+
+def test_a_scanner_inside_a_stem_is_refused():
+    stem = {"kind": "stem", "start": [0, 0, 0], "end": [0, 0, 1.5], "radius": 0.2}
+    for place in ([0.1, 0, 1.0], [0, 0.1, 1.6], [0, 0, -0.15]):
+        with pytest.raises(BadInput, match=r"test: part\.1 \(stem\): .*inside a stem"):
+            build(LEAF, stem, position=place)
+    for place in ([0.21, 0, 1.0], [0, 0.18, 1.6], [0, 0, -0.21]):
+        assert len(build(LEAF, stem, position=place).stems) == 1
 
 
 def test_nothing_but_walls_has_no_fitted_field():
@@ -139,7 +185,7 @@ def test_ready_scenes_show_their_leaves_when_scanned(name):
     ghosts = (made.attributes["truth_ghost"] == 1).mean()
     assert ghosts < 0.2
     if name not in ("needle_row", "shoot"):  # their pulses are longer than all gaps
-        assert ghosts > 0.001
+        assert ghosts > 0.0002
 
 
 def test_goniometer_is_scanned_at_its_angle():

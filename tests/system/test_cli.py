@@ -323,6 +323,49 @@ def test_ctrl_c_cancels_wherever_it_comes(leaves_file: Path, tmp_path: Path, aft
     assert not out.parent.exists()
 
 
+SWALLOWED = """\
+import os, signal
+from app.cli import console
+console.cancel_on_signals()
+class Dying:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        sum(range(10))
+Dying()
+"""
+
+
+def test_a_cancel_that_python_swallows_is_noticed_at_the_next_report() -> None:
+    report = "try: console.watch().report(0.5)\nexcept console.Cancelled: print('noticed')\n"
+    ran = _run_python(SWALLOWED + report)
+    assert "Exception ignored" in ran.stderr
+    assert (ran.returncode, ran.stdout) == (0, "noticed\n")
+
+
+@pytest.mark.parametrize("second", [signal.SIGINT, signal.SIGTERM])
+def test_a_second_signal_ends_what_the_first_did_not(second: signal.Signals) -> None:
+    ran = _run_python(f"{SWALLOWED}os.kill(os.getpid(), {int(second)})\nprint('goes on')\n")
+    assert (ran.returncode, ran.stdout) == (-second, "")
+
+
+@pytest.mark.parametrize("words", ["--list --json", "--show leaf"])  # beyond a buffer, and within
+def test_no_complaint_where_nobody_reads_on(words: str) -> None:
+    command = [sys.executable, "-m", "app.cli", "simulate", *words.split()]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    with process.stderr as stream:
+        assert stream.read() == b""
+    assert process.wait(timeout=60) == 141  # as of a program that SIGPIPE ends
+
+
+def _run_python(text: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", text], capture_output=True, text=True, timeout=60, check=False
+    )
+
+
 def test_negative_coordinates_are_no_options(leaves_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "o.npz"
     assert (

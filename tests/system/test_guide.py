@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from app.simulate.instrument import list_instruments
+from app.simulate.parts import KINDS
 from app.simulate.virtual_scan import simulate
 
 
@@ -47,3 +49,8 @@ def test_the_guide_names_every_field_of_the_truth(guide: str) -> None:
     said = set(re.findall(r"truth_(\w+)", guide))
     missing = [n for n in _FIELDS if re.sub(r"_[23xyz]$", "", n) not in {*said, "normal"}]
     assert missing == []
+
+
+def test_the_guide_names_every_instrument_and_kind_of_part(guide: str) -> None:
+    names = {*KINDS, *(tool.name for tool in list_instruments())}
+    assert {name for name in names if not re.search(rf"\b{name}\b", guide)} == set()

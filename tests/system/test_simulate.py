@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app.cli import run
-from app.simulate.instrument import list_instruments
+from app.simulate.instrument import Instrument, list_instruments
 from app.simulate.scene_file import list_scenes
 
 Capture = pytest.CaptureFixture[str]
@@ -59,6 +59,16 @@ def test_a_ready_scene_can_be_copied(
     assert read_scene(copy) == get_scene(name)
 
 
+@pytest.mark.parametrize("tool", list_instruments(), ids=lambda tool: tool.name)
+def test_an_instrument_can_be_copied(tool: Instrument, tmp_path: Path, capsys: Capture) -> None:
+    from app.simulate.instrument import read_instrument
+
+    assert run(["simulate", "--show", tool.name]) == 0
+    copy = tmp_path / "copy.toml"
+    copy.write_text(capsys.readouterr().out)
+    assert repr(read_instrument(copy)) == repr(tool)
+
+
 def test_a_scan_in_a_process_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(MINE)
     words = ["simulate", "mine.toml", "--out", "a.npz", "--leaves", "a.csv", "--set",
@@ -102,6 +112,24 @@ def test_a_series_alone_is_the_scenes_own(tmp_path: Path, capsys: Capture) -> No
     assert "shoot_1.angle_deg 80: " in capsys.readouterr().out
 
 
+def test_a_series_over_instruments_names_them_all(tmp_path: Path, capsys: Capture) -> None:
+    series = ["--series", "instrument=x330,salca", "--out", str(tmp_path)]
+    assert run(["simulate", "leaf", "--step-deg", "0.3", *series]) == 0
+    said = capsys.readouterr().out
+    assert "leaf, FARO X330; SALCA, 2 scans over instrument: " in said
+
+
+def test_a_scan_without_points_says_so(tmp_path: Path, capsys: Capture) -> None:
+    scene = tmp_path / "edge.toml"
+    scene.write_text("name = 'edge'\nstep_deg = 0.1\n[[part]]\nkind = 'leaf'\ntilt_deg = 89.9\n")
+    out = str(tmp_path / "edge.laz")
+    assert run(["simulate", str(scene), "--out", out]) == 0
+    assert "note: No beam brought back enough" in capsys.readouterr().out
+    assert run(["simulate", str(scene), "--out", str(tmp_path), "--series", "seed=1,2"]) == 0
+    said = capsys.readouterr().out
+    assert "note: edge_seed_1.laz: No beam brought back enough" in said
+
+
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
@@ -109,6 +137,8 @@ def test_a_series_alone_is_the_scenes_own(tmp_path: Path, capsys: Capture) -> No
         ("leaf", 2, "--out"),
         ("nothing --out a.laz", 2, "pear_row"),
         ("--show nothing", 2, "pear_row"),
+        ("--show nothing", 2, "x330"),
+        ("--show ../instruments/x330", 2, "x330"),
         ("leaf --out a.laz --instrument nothing", 2, "two_colour"),
         ("leaf --out a.laz --instrument bad.toml", 3, "bad.toml"),
         ("bad.toml --out a.laz", 3, "bad.toml"),

@@ -14,6 +14,7 @@ from app.core.kernels.echoes import (
     blend_range,
     collect,
     distance_off,
+    echo_strength,
     list_surfaces,
     pick_returns,
     range_by_phase,
@@ -24,22 +25,32 @@ from app.core.kernels.echoes import (
 from app.core.kernels.rays import HitTable, split
 from app.core.kernels.surfaces import face_normal
 from app.core.kernels.vectors import cross, dot
-from app.core.kernels.waveforms import digitise, find_pulses, measure_pulse, rays_within
+from app.core.kernels.waveforms import (
+    digitise,
+    find_clean,
+    find_gate,
+    find_pulses,
+    foresee_noise,
+    measure_pulse,
+    rays_within,
+)
 
 ZERO = np.int64(0)
 """A bare 0 would have every function that gets it compiled once more, for this very number."""
 
 
 # Columns of `ReturnTable.values` and `labels`: two arrays are handed on faster than ten.
-DISTANCE, OFF, SHIFT, OMEGA, NORMAL, SHARE, ENERGY = 0, 1, 2, 3, 4, 7, 10
+DISTANCE, OFF, SHIFT, OMEGA, NORMAL, SHARE, WANDER, ENERGY = 0, 1, 2, 3, 4, 7, 10, 14
 CELL, SURFACE, TOUCHED, WAVE = 0, 1, 4, 5
 
 
 class ReturnTable(NamedTuple):
     """Room for the returns of a band, one row each; −1 and 0 where a component is missing."""
 
-    values: Any  # (m, 10 + channels): reported range, off every surface, shift, ω; normal;
-    # shares of the components; energies as reflectance × share, for the reported range
+    values: Any  # (m, 14 + channels): noise-free range, off every surface, shift, ω; normal;
+    # shares of the components; of a waveform what its noise did to the range, σ of that, of an
+    # energy in the ranging channel and in another; energies as reflectance × share, free of noise;
+    # of a waveform again, with noise
     labels: Any  # (m, 6) int64: cell, surfaces of the components, how many there are, waveform
     wave: Any  # (w, channels, samples); no rows where waveforms are not kept
     wave_start: Any  # (w,) range of the first sample
@@ -92,11 +103,11 @@ def write_return(out, m, table, beam, ray, hits, echoes, span, distance):  # typ
 
 
 @njit(**INNER)
-def write_energy(out, m, total, scale):  # type: ignore[no-untyped-def]
-    """Energies of row m."""
+def write_energy(out, m, place, beam, total, distance):  # type: ignore[no-untyped-def]
+    """Energies into columns of row m, as a calibrated instrument would report them at a range."""
     values = out.values
     for c in range(len(total)):
-        values[m, ENERGY + c] = total[c] * scale
+        values[m, place + c] = total[c] / echo_strength(beam.strength, beam.lattice, c, distance)
 
 
 @njit(**INNER)
@@ -106,7 +117,7 @@ def write_phase(out, m, table, beam, ray, hits, echoes):  # type: ignore[no-unty
     distance = range_by_phase(hits, beam, echoes, count)
     if not distance > 0.0:
         return m
-    write_energy(out, m, echoes.total, distance * distance)
+    write_energy(out, m, ENERGY, beam, echoes.total, distance)
     write_return(out, m, table, beam, ray, hits, echoes, (ZERO, count), distance)
     return m + 1
 
@@ -117,7 +128,7 @@ def write_pulses(out, m, table, beam, ray, hits, echoes, spans):  # type: ignore
     found = pick_returns(beam, spans, split_returns(hits, beam, echoes, ray[2], spans))
     for i in range(found):
         distance = blend_range(hits, beam, echoes, spans[i])
-        write_energy(out, m, echoes.total, distance * distance)
+        write_energy(out, m, ENERGY, beam, echoes.total, distance)
         span = (int(spans[i, 0]), int(spans[i, 1]))
         write_return(out, m, table, beam, ray, hits, echoes, span, distance)
         m += 1
@@ -125,20 +136,33 @@ def write_pulses(out, m, table, beam, ray, hits, echoes, spans):  # type: ignore
 
 
 @njit(**INNER)
-def write_waveform(out, m, table, beam, ray, hits, echoes, spans, wave):  # type: ignore[no-untyped-def]
-    """The returns found in a digitised, noisy waveform; the next free row, and its start."""
-    count = ray[2]
-    start = digitise(hits, beam, echoes, count, wave)
+def write_waveform(out, m, table, beam, ray, hits, echoes, spans, waves):  # type: ignore[no-untyped-def]
+    """The returns found in a digitised, noisy waveform; the next free row, and its start.
+
+    `waves` are the clean one, to be filled, and the noise, to which it is added. Returns are
+    found in the noisy one; the truth is what the clean one says of them.
+    """
+    count, (clean, noisy) = ray[2], waves
+    start = digitise(hits, beam, echoes, count, clean, noisy)
     near = hits.distance[echoes.rays[0]]
-    found = pick_returns(beam, spans, find_pulses(beam, wave, spans))
+    gate = find_gate(beam, noisy)
+    found = pick_returns(beam, spans, find_pulses(beam, noisy, gate, spans))
+    channels, values = len(echoes.total), out.values
     for i in range(found):
-        distance = measure_pulse(beam, wave, spans[i], start, echoes.total)
         low = start + (spans[i, 0] - 1) * beam.sample
         high = start + spans[i, 1] * beam.sample
         span = rays_within(hits, echoes, count, low, high)
         if span[0] == span[1]:
             continue
-        write_energy(out, m, echoes.total, (distance / near) ** 2)
+        reported = measure_pulse(beam, noisy, spans[i], gate, start, near, echoes.total)
+        write_energy(out, m, ENERGY + channels, beam, echoes.total, reported)
+        quiet, low = find_clean(beam, clean, spans[i])
+        distance = measure_pulse(beam, clean, quiet, low, start, near, echoes.total)
+        write_energy(out, m, ENERGY, beam, echoes.total, distance)
+        values[m, WANDER] = reported - distance
+        foreseen = foresee_noise(beam, clean, quiet, low)
+        for k in range(3):
+            values[m, WANDER + 1 + k] = foreseen[k]
         write_return(out, m, table, beam, ray, hits, echoes, span, distance)
         m += 1
     return m, start
@@ -163,6 +187,7 @@ def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, ou
         np.empty((rays, 5)),
     )
     spans = np.empty((rays, 3))
+    clean = np.empty((noise.shape[1], noise.shape[2]), np.float32)
     stack, entry = np.empty(DEEPEST, np.int64), np.empty(DEEPEST)
     pulsed, digitises = len(beam.wavelengths) == 0, len(noise) > 0
     m, waves = ZERO, ZERO
@@ -180,7 +205,10 @@ def trace(table, tree, optics, beam, origin, elevation, azimuth, band, noise, ou
                 sort_rays(echoes.rays, count, hits.distance)
                 if digitises:
                     wave = noise[(row - band[0]) * columns + column]
-                    m, start = write_waveform(out, m, table, beam, ray, hits, echoes, spans, wave)
+                    waveforms = (clean, wave)
+                    m, start = write_waveform(
+                        out, m, table, beam, ray, hits, echoes, spans, waveforms
+                    )
                     if m > first and len(out.wave) > 0:
                         out.wave[waves] = wave
                         out.wave_start[waves] = start

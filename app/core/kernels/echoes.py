@@ -40,6 +40,8 @@ class BeamTable(NamedTuple):
     pulse: float  # m, full width at half maximum
     sample: float  # m between samples of a waveform
     noise: float  # σ of a sample
+    strength: Any  # (channels, s): echo of a white surface at 0, h, 2h …; none means 1 / d²
+    lattice: float  # h, m
 
 
 class EchoTable(NamedTuple):
@@ -54,11 +56,23 @@ class EchoTable(NamedTuple):
 
 
 @njit(**INNER)
+def echo_strength(strength, lattice, c, t):  # type: ignore[no-untyped-def]
+    """Echo of a white surface at a distance, by the instrument's range effect."""
+    last = strength.shape[1] - 1
+    if last < 0:
+        return 1.0 / (t * t)
+    place = min(t / lattice, last - 1e-9)
+    i = int(place)
+    return strength[c, i] + (place - i) * (strength[c, i + 1] - strength[c, i])
+
+
+@njit(**INNER)
 def collect(hits, beam, optics, echoes):  # type: ignore[no-untyped-def]
     """List the sub-rays that met something, with their energies; returns how many."""
     distance, facing, surface = hits.distance, hits.facing, hits.surface
     subrays, rho, curve, curves = beam.subrays, optics.rho, optics.curve, optics.curves
     rays, energy, total = echoes.rays, echoes.energy, echoes.total
+    strength, lattice = beam.strength, beam.lattice
     count, last = 0, curves.shape[1] - 1
     total[:] = 0.0
     for k in range(len(distance)):
@@ -66,13 +80,14 @@ def collect(hits, beam, optics, echoes):  # type: ignore[no-untyped-def]
             continue
         rays[count] = k
         count += 1
-        share = subrays[2, k] / (distance[k] * distance[k])
+        share = subrays[2, k]
         place = math.sqrt(max(1.0 - facing[k], 0.0)) * last
         i = min(int(place), last - 1)
         for c in range(len(total)):
             row = curve[surface[k], c]
             phase = curves[row, i] + (place - i) * (curves[row, i + 1] - curves[row, i])
-            energy[k, c] = share * rho[surface[k], c] * phase
+            reach = echo_strength(strength, lattice, c, distance[k])
+            energy[k, c] = share * rho[surface[k], c] * phase * reach
             total[c] += energy[k, c]
     return count
 
@@ -209,7 +224,8 @@ def split_returns(hits, beam, echoes, count, spans):  # type: ignore[no-untyped-
             ends = hits.distance[echoes.rays[i + 1]] - hits.distance[k] >= beam.blend
         if ends:
             near = hits.distance[echoes.rays[first]]
-            noticed = energy * near * near >= beam.threshold
+            reach = echo_strength(beam.strength, beam.lattice, c, near)
+            noticed = energy >= beam.threshold * reach
             if noticed and energy >= beam.least * echoes.total[c]:
                 spans[found] = (float(first), float(i + 1), energy)
                 found += 1

@@ -45,10 +45,11 @@ def meet_flat(outline, axes, size, subrays, found):  # type: ignore[no-untyped-d
 
 
 @njit(**INNER)
-def meet_bent(outline, bend, axes, size, subrays, found):  # type: ignore[no-untyped-def]
+def meet_bent(outline, bend, axes, size, subrays, ahead, found):  # type: ignore[no-untyped-def]
     """The same on a leaf that is part of a cylinder of radius 1 / curvature.
 
-    The other half of the cylinder is no leaf: there `lift` is negative.
+    The other half of the cylinder is no leaf: there `lift` is negative. The scanner is `ahead`
+    metres before the axes' origin: what lies behind it hides nothing.
     """
     o, d, left, up = axes
     lefts, ups = subrays[0], subrays[1]
@@ -68,7 +69,11 @@ def meet_bent(outline, bend, axes, size, subrays, found):  # type: ignore[no-unt
         one, two = rest / q, q / square
         first, second = min(one, two), max(one, two)
         lift_1, lift_2 = 1.0 - c * (pz + first * dz), 1.0 - c * (pz + second * dz)
-        ok_1 = (lift_1 > 0.0) & inside(outline, px + first * dx, py + first * dy)
+        ok_1 = (
+            (lift_1 > 0.0)
+            & (first + ahead > 0.0)
+            & inside(outline, px + first * dx, py + first * dy)
+        )
         ok_2 = (lift_2 > 0.0) & inside(outline, px + second * dx, py + second * dy)
         t, lift = (first, lift_1) if ok_1 else (second, lift_2)
         distance[k] = t if (ok_1 | ok_2) & (root >= 0.0) else np.inf

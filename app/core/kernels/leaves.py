@@ -11,7 +11,9 @@ from app.core.kernels.rays import keep_nearer, localise, split
 from app.core.kernels.vectors import along, dot, minus, take, turn_in, turn_out
 
 MARCH = 0.004
-"""Sideways step, metres, in which a wrinkled leaf is searched for its first crossing."""
+"""Longest sideways step, metres, in which a wrinkled leaf is searched for its first crossing."""
+FINE = 16.0
+"""Steps to a wave."""
 REFINEMENTS = 20
 CLOSE = 3e-6
 """Metres: a Newton step shorter than this leaves an error of its square times the curvature."""
@@ -138,7 +140,10 @@ def face(d, hx, hy):  # type: ignore[no-untyped-def]
 def march(outline, shape, span, o, d):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| of the first crossing of a leaf within `span`."""
     low, high = span
-    steps = 1 + int((high - low) * math.hypot(d[0], d[1]) / MARCH)
+    pace = MARCH
+    if shape[1][0] != 0.0:
+        pace = min(pace, 2.0 * math.pi / (FINE * max(shape[1][1], shape[1][2])))
+    steps = 1 + int((high - low) * math.hypot(d[0], d[1]) / pace)
     step = (high - low) / steps
     f_low = o[2] + low * d[2] - height(shape, o[0] + low * d[0], o[1] + low * d[1])[0]
     for k in range(steps):
@@ -167,15 +172,16 @@ def touch(shape, slab, o, d):  # type: ignore[no-untyped-def]
 
 
 @njit(**INNER)
-def meet_each(outline, shape, bounds, axes, size, subrays, found):  # type: ignore[no-untyped-def]
+def meet_each(outline, shape, bounds, axes, size, subrays, ahead, found):  # type: ignore[no-untyped-def]
     """Distance and |cos ω| of each sub-ray on a leaf of any shape, inf where it misses."""
     slab, reach = bounds
     for k in range(subrays.shape[1]):
         o, d = split(axes, size, subrays[0, k], subrays[1, k])
         found[0, k] = np.inf
-        span = meet_slab(slab, reach, o, d)
-        if span[0] < span[1]:
-            found[0, k], found[1, k] = march(outline, shape, span, o, d)
+        low, high = meet_slab(slab, reach, o, d)
+        low = max(low, -ahead)  # what lies behind the scanner hides nothing
+        if low < high:
+            found[0, k], found[1, k] = march(outline, shape, (low, high), o, d)
 
 
 @njit(**INNER)
@@ -202,13 +208,13 @@ def meet_leaf(leaves, i, column, axes, beam, hits):  # type: ignore[no-untyped-d
         return
     bent, wrinkled = shape[0][0] != 0.0, shape[1][0] != 0.0
     if outline[3] > 0.0 or (wrinkled and not gentle):
-        meet_each(outline, shape, (slab, reach), axes, size, beam.subrays, hits.found)
+        meet_each(outline, shape, (slab, reach), axes, size, beam.subrays, ahead, hits.found)
     elif wrinkled:
         plane = touch(shape, slab, o, d)
         if not leaf_rays.meet_gentle(outline, shape, axes, size, beam.subrays, plane, hits.found):
-            meet_each(outline, shape, (slab, reach), axes, size, beam.subrays, hits.found)
+            meet_each(outline, shape, (slab, reach), axes, size, beam.subrays, ahead, hits.found)
     elif bent:
-        leaf_rays.meet_bent(outline, shape[0], axes, size, beam.subrays, hits.found)
+        leaf_rays.meet_bent(outline, shape[0], axes, size, beam.subrays, ahead, hits.found)
     else:
         leaf_rays.meet_flat(outline, axes, size, beam.subrays, hits.found)
     keep_nearer(hits, ahead, i)

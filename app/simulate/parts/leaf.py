@@ -14,9 +14,9 @@ from app.simulate.painting import AnyMaterial
 from app.simulate.parts.foliage import Drying
 from app.simulate.parts.part import LeafSize, Pieces, Placed, Point, Surroundings, Tilt, Turn
 from app.simulate.spectra import WETTEST
-from app.simulate.surfaces import Leaf
+from app.simulate.surfaces import SHORTEST_WAVE, Leaf
 
-Wave = Annotated[float, Meta(ge=0.005, le=10)]
+Wave = Annotated[float, Meta(ge=SHORTEST_WAVE, le=10)]
 """Metres; the tracer would step over shorter waves."""
 
 

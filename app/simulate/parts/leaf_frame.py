@@ -62,7 +62,8 @@ class LeafFramePart(Placed, frozen=True, kw_only=True, tag="leaf_frame"):
             leaf = self.leaves.grow(index, place, surroundings, paint)
             leaves.append(leaf)
             threads += self._hang(leaf, rise, axes)
-        stems = [Stem(vector(a), vector(b), THREAD, black) for a, b in threads]
+        # A leaf that reaches from bar to bar hangs on no thread.
+        stems = [Stem(vector(a), vector(b), THREAD, black) for a, b in threads if (a != b).any()]
         return Pieces(tuple(leaves), (*stems, *self._bars(middle, axes, surroundings)))
 
     def count_surfaces(self) -> int:

@@ -15,7 +15,7 @@ from msgspec import Meta
 from app.core.arrays import Floats
 from app.core.units import to_radians
 from app.model.scan import Vector
-from app.simulate.leaf_shapes import turn_about_vertical
+from app.simulate.leaf_shapes import check_apart, turn_about_vertical
 from app.simulate.material import Material
 from app.simulate.painting import AnyMaterial, material_at
 from app.simulate.surfaces import Leaf, Scene, Stem, Wall
@@ -124,12 +124,11 @@ class Placed(Part, frozen=True, kw_only=True):
             raise ValueError("`centre` stands instead of `range`, `azimuth_deg`, `elevation_deg`")
 
     def place(self, scanner: Vector) -> Floats:
-        """Its centre, (3,) metres."""
-        if self.centre is not None:
-            return np.array(self.centre, float)
-        side, rise = to_radians(self.azimuth_deg), to_radians(self.elevation_deg)
-        beam = np.array([np.cos(rise) * np.cos(side), np.cos(rise) * np.sin(side), np.sin(rise)])
-        return np.array(scanner) + (2.5 if self.range is None else self.range) * beam
+        """Its centre, (3,) metres; raises `WrongUse` when that is where the scanner is."""
+        here = np.array(scanner, float)
+        centre = here + self._reach() if self.centre is None else np.array(self.centre, float)
+        check_apart(centre, here)
+        return centre
 
     def face(self, scanner: Vector, turn_deg: float = 0.0) -> Floats:
         """Axes of an upright board that faces the scanner: rows left, up, towards it; (3, 3).
@@ -141,6 +140,12 @@ class Placed(Part, frozen=True, kw_only=True):
         back = back / length if length > 0 else np.array([-1.0, 0.0, 0.0])
         axes = np.vstack([np.cross(back, UP), UP, back])
         return turn_about_vertical(axes, float(to_radians(turn_deg)))
+
+    def _reach(self) -> Floats:
+        """From the scanner to the centre, (3,) metres."""
+        side, rise = to_radians(self.azimuth_deg), to_radians(self.elevation_deg)
+        beam = np.array([np.cos(rise) * np.cos(side), np.cos(rise) * np.sin(side), np.sin(rise)])
+        return (2.5 if self.range is None else self.range) * beam
 
 
 def assemble(

@@ -11,6 +11,7 @@ from pytestqt.qtbot import QtBot
 
 from app.core.errors import BadInput
 from app.services.simulation_order import Estimate, Order, Setup
+from app.simulate.instrument import list_instruments
 from app.simulate.scene_file import list_scenes
 from widgets.common.scan_cost import round_count
 from widgets.dialogs.export import FORMATS
@@ -54,7 +55,7 @@ def test_scenes_and_instruments_are_offered(dialog: SimulateDialog) -> None:
     rows = [dialog.scenes.topLevelItem(row) for row in range(dialog.scenes.topLevelItemCount())]
     assert [row.text(0) for row in rows] == list(list_scenes())
     assert all(row.text(1) for row in rows)
-    assert dialog.instrument.count() == 8
+    assert dialog.instrument.count() == 1 + len(list_instruments())
     assert dialog.order() == Order("leaf")
     assert dialog.instrument.currentText() == "As the scene says: Two colours, phase shift"
     assert dialog.step.text() == "as usual: 0.018 °"
