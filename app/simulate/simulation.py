@@ -57,7 +57,8 @@ def run_simulation(
     random = np.random.default_rng(seed)
     receiver, ranging = instrument.receiver, instrument.ranging_channel
     chosen = choose_returns(echoes.distance, echoes.energy[:, ranging], receiver, random)
-    echoes = echoes.take(np.flatnonzero(chosen))
+    if not chosen.all():  # a copy of everything takes as long as the noise
+        echoes = echoes.take(np.flatnonzero(chosen))
     sigma = range_sigma(echoes.energy[:, ranging], echoes.distance, receiver)
     shape = (grid.rows, grid.columns)
     noise = draw_noise(shape, echoes.cell, receiver.correlation, random)
