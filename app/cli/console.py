@@ -60,9 +60,15 @@ class Stop:
         progress finds `asked`, and where there is none a second signal still ends the program.
         """
         self._asked = True
+        # What was half made when the signal came cannot be taken apart, and would say so at length.
+        sys.unraisablehook = _keep_quiet
         for number in STOPS:
             signal.signal(number, signal.SIG_DFL)
         raise Cancelled
+
+
+def _keep_quiet(_unraisable: object) -> None:
+    """Say nothing of an exception that Python ignores."""
 
 
 STOP = Stop()
