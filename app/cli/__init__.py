@@ -33,6 +33,7 @@ def run(words: Sequence[str], debug: bool = False) -> int:
     from cyclopts import CycloptsError
 
     from app.cli.commands import leafscope
+    from app.cli.console import STOP
 
     try:
         leafscope(words, exit_on_error=False, print_error=False, result_action="return_value")
@@ -50,6 +51,8 @@ def run(words: Sequence[str], debug: bool = False) -> int:
     except OSError as error:
         return _fail(BadInput(f"{error.filename or 'A file'}: {error.strerror or error}."), debug)
     except Exception as error:  # noqa: BLE001 - a fault of ours: told in a sentence, never lost
+        if STOP.asked():  # the compiler, stopped in the middle, ends in faults of its own
+            return _fail(Cancelled(), debug)
         what = f"Leafscope failed: {type(error).__name__}: {error}."
         return _fail(LeafscopeError(" ".join(what.split()), "Run it with --debug."), debug)
     return 0
