@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from app.simulate.detector import Detector, Ideal, count_channels
 from app.simulate.limits import check_positive
 from app.simulate.range_effect import Hancock
 from app.simulate.ranging import Ranging
+from app.simulate.ready_files import find_ready, read_start
 from app.simulate.receiver import Receiver
 
 LARGEST_FILE = 100_000
@@ -107,12 +107,13 @@ class Instrument:
 
 def list_instruments() -> tuple[Instrument, ...]:
     """The presets, sorted by name."""
-    return tuple(_read(_find_presets()[name]) for name in sorted(_find_presets()))
+    presets = find_ready("instruments")
+    return tuple(_read(presets[name]) for name in sorted(presets))
 
 
 def get_instrument(name: str) -> Instrument:
     """The preset of that name; raises `WrongUse` with the names there are."""
-    presets = _find_presets()
+    presets = find_ready("instruments")
     if name not in presets:
         known = ", ".join(sorted(presets))
         raise WrongUse(f"There is no instrument {name!r}.", f"Instruments: {known}.")
@@ -130,26 +131,10 @@ def read_instrument(path: Path) -> Instrument:
     return _read(path)
 
 
-def _find_presets() -> dict[str, Traversable]:
-    folder = files("resources") / "instruments"
-    return {
-        file.name.removesuffix(".toml"): file
-        for file in folder.iterdir()
-        if file.name.endswith(".toml")
-    }
-
-
 def _read(file: Traversable) -> Instrument:
     from app.simulate.instrument_file import decode_instrument
 
-    try:
-        with file.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise BadInput(
-            f"The instrument {file.name} cannot be read: {error.strerror or error}.",
-            "Check the path.",
-        ) from error
+    content = read_start(file, LARGEST_FILE, "instrument")
     if len(content) > LARGEST_FILE:
         raise BadInput(f"{file.name} is too large for an instrument.", "Choose another file.")
     return decode_instrument(content, file.name)

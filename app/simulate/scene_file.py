@@ -7,7 +7,6 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterator
-from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -19,6 +18,7 @@ from app.core.errors import BadInput, WrongUse
 from app.core.units import group_digits
 from app.simulate.parts import KINDS, AnyPart
 from app.simulate.parts.part import Point
+from app.simulate.ready_files import find_ready, read_start
 from app.simulate.wind import Wind
 
 LARGEST_FILE = 1 << 20
@@ -98,7 +98,7 @@ class SceneFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 def list_scenes() -> tuple[str, ...]:
     """Names of the ready scenes, sorted."""
-    return tuple(sorted(_find_scenes()))
+    return tuple(sorted(find_ready("scenes")))
 
 
 def get_scene(name: str) -> SceneFile:
@@ -130,7 +130,7 @@ def load_document(source: str | Path) -> Document:
     """
     if isinstance(source, Path):
         return _load(source)
-    scenes = _find_scenes()
+    scenes = find_ready("scenes")
     if source not in scenes:
         raise WrongUse(f"There is no scene {source!r}.", f"Scenes: {', '.join(sorted(scenes))}.")
     return _load(scenes[source])
@@ -161,23 +161,8 @@ def decode_scene(document: Document, origin: str) -> SceneFile:
     return scene
 
 
-def _find_scenes() -> dict[str, Traversable]:
-    folder = files("resources") / "scenes"
-    return {
-        file.name.removesuffix(".toml"): file
-        for file in folder.iterdir()
-        if file.name.endswith(".toml")
-    }
-
-
 def _load(file: Traversable) -> Document:
-    try:
-        with file.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise BadInput(
-            f"The scene {file.name} cannot be read: {error.strerror or error}.", "Check the path."
-        ) from error
+    content = read_start(file, LARGEST_FILE, "scene")
     if len(content) > LARGEST_FILE:
         raise BadInput(f"{file.name} is larger than 1 MB, too large for a scene.", "Shorten it.")
     try:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from importlib import resources
 
 import msgspec
 import numpy as np
 
 from app.core.arrays import Floats
 from app.core.errors import BadInput, WrongUse
+from app.simulate.ready_files import find_ready
 
 WETTEST = 1.5
 """Water of a leaf, as a share of a fresh leaf's, up to which its spectrum is believed."""
@@ -61,20 +61,17 @@ class Optics:
 
 def list_materials() -> tuple[str, ...]:
     """Names of the materials there are."""
-    files = resources.files("resources").joinpath("materials").iterdir()
-    return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
+    return tuple(sorted(find_ready("materials")))
 
 
 @lru_cache(maxsize=64)
 def get_spectrum(name: str) -> Spectrum:
     """The material of that name; raises `BadInput` with the names there are."""
-    known = list_materials()
-    if name not in known:
-        raise BadInput(
-            f"There is no material {name!r}.", f"Materials: {', '.join(known)}; or give a number."
-        )
-    file = resources.files("resources").joinpath("materials", f"{name}.toml")
-    return msgspec.toml.decode(file.read_text("utf-8"), type=Spectrum)
+    materials = find_ready("materials")
+    if name not in materials:
+        known = ", ".join(sorted(materials))
+        raise BadInput(f"There is no material {name!r}.", f"Materials: {known}; or give a number.")
+    return msgspec.toml.decode(materials[name].read_text("utf-8"), type=Spectrum)
 
 
 def read_off(knots_nm: Floats, values: Floats, wavelengths_nm: Floats, what: str) -> Floats:

@@ -8,13 +8,11 @@ import numpy as np
 from msgspec import Meta
 
 from app.core.units import to_radians
+from app.simulate.beam import GOLDEN
 from app.simulate.leaf_shapes import unit, vector
 from app.simulate.painting import AnyMaterial
 from app.simulate.parts.part import Count, Metres, Pieces, Placed, Surroundings, Tilt, Turn
 from app.simulate.surfaces import Stem
-
-GOLDEN = np.pi * (3 - np.sqrt(5))
-"""Radians from one needle to the next, as on most shoots."""
 
 
 class ShootPart(Placed, frozen=True, kw_only=True, tag="shoot"):
