@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,11 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
+from app.core.ball import ENOUGH, FACTORS
 from app.core.errors import Cancelled, WrongUse
-from app.core.incidence import ENOUGH, FACTORS, incidence_angle, local_planes
+from app.core.incidence import incidence_angle
+from app.core.incidence import local_planes as planes_by
 from app.core.progress import LiveProgress
 
 ORIGIN = np.zeros(3)
+local_planes = partial(planes_by, estimator="ball")
 
 
 def make_plane_scan(tilt, rows=60, columns=70, step=(3e-4, 3e-4), noise=0.0, distance=2.0):
@@ -36,12 +40,19 @@ def make_plane_scan(tilt, rows=60, columns=70, step=(3e-4, 3e-4), noise=0.0, dis
     return beams * ranges[:, None], grid, normal
 
 
+def exact_widths(planes, radius=0.004):
+    """The widths as they were before they were rounded to single precision."""
+    step = np.searchsorted(FACTORS * radius * (1 - 1e-6), planes.width) - 1
+    assert np.allclose(planes.width, FACTORS[step] * radius, rtol=1e-7)
+    return FACTORS[step] * radius
+
+
 def fit_by_tree(xyz, scanner, planes, asked):
     """Normals from a k-d tree's balls of the widths used; NaN where the plane is not sharp."""
     tree = cKDTree(np.nan_to_num(xyz, nan=1e9))
-    normals = np.full((len(asked), 3), np.nan)
+    normals, widths = np.full((len(asked), 3), np.nan), exact_widths(planes)
     for k, p in enumerate(asked):
-        near = tree.query_ball_point(xyz[p], planes.width[k])
+        near = tree.query_ball_point(xyz[p], widths[k])
         assert len(near) == planes.count[k]
         offsets = xyz[near] - xyz[p]
         offsets = offsets - offsets.mean(axis=0)
@@ -160,13 +171,12 @@ def test_ball_grows_until_it_holds_enough(on_grid):
     inner = (grid.row > 9) & (grid.row < 50) & (grid.column > 9) & (grid.column < 60)
     assert (planes.count[inner] >= ENOUGH).all()
     assert (planes.width[inner] > 0.004).all()
-    assert np.isin(planes.width, 0.004 * FACTORS).all()
-    tree = cKDTree(xyz)
+    tree, widths = cKDTree(xyz), exact_widths(planes)
     for p in np.flatnonzero(inner)[::200]:
-        step = np.searchsorted(FACTORS * 0.004, planes.width[p])
+        step = np.searchsorted(FACTORS * 0.004, widths[p])
         before = tree.query_ball_point(xyz[p], 0.004 * FACTORS[step - 1])
         assert len(before) < ENOUGH or len(np.unique(grid.column[before])) == 1
-        assert len(np.unique(grid.column[tree.query_ball_point(xyz[p], planes.width[p])])) > 1
+        assert len(np.unique(grid.column[tree.query_ball_point(xyz[p], widths[p])])) > 1
     assert planes.normals[inner] @ normal == pytest.approx(1.0, abs=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""Points sorted by the cells of a scan grid, and planes from windows of it."""
+"""Points sorted by the cells of a scan grid, and how far a window of it must reach."""
 
 from __future__ import annotations
 
@@ -8,46 +8,83 @@ import numpy as np
 from numba import njit
 
 from app.core.arrays import AnyArray
-from app.core.kernels import SAFE
-from app.core.kernels.plane import SUMS, add_ball, covers_area, store_plane
+from app.core.kernels import INNER
 
-MOST_PER_ROW = 512
 MARGIN = 1.02
 
 
 @njit(cache=True, nogil=True)
-def sample_lines(
-    row: AnyArray,
-    column: AnyArray,
-    row_slot: AnyArray,
-    column_slot: AnyArray,
-    in_rows: AnyArray,
-    in_columns: AnyArray,
-) -> bool:
-    """Note a point for every cell of the sampled rows and columns; False: a cell is outside."""
-    rows, columns = row_slot.size, column_slot.size
-    for i in range(row.size):
-        r, c = row[i], column[i]
-        if r < 0 or c < 0 or r >= rows or c >= columns:
+def sample_lines(line: AnyArray, cell: AnyArray, slot: AnyArray, lines: AnyArray) -> bool:
+    """Note a point for every cell of the lines that have a slot; False: a cell is outside."""
+    for i in range(line.size):
+        k = line[i]
+        if k < 0 or k >= slot.size:
             return False
-        if row_slot[r] >= 0:
-            in_rows[row_slot[r], c] = i
-        if column_slot[c] >= 0:
-            in_columns[column_slot[c], r] = i
+        if slot[k] >= 0:
+            if cell[i] < 0 or cell[i] >= lines.shape[1]:
+                return False
+            lines[slot[k], cell[i]] = i
     return True
 
 
 @njit(cache=True, nogil=True)
-def half_window(r: int, c: int, angle: float, down: AnyArray, across: AnyArray) -> tuple[int, int]:
+def angles_along(
+    xyz: AnyArray, scanner: AnyArray, lines: AnyArray, apart: int, gap: int, pairs: int,
+    angles: AnyArray, count: AnyArray,
+) -> None:  # fmt: skip
+    """Angle per cell between points of each line that are `apart` filled cells apart.
+
+    About `pairs` of them, spread over the line, and none over more than `gap` cells.
+    """
+    filled = np.empty(lines.shape[1], np.int64)
+    for k in range(lines.shape[0]):
+        total = near = 0
+        for c in range(lines.shape[1]):
+            if lines[k, c] >= 0:
+                filled[total] = c
+                total += 1
+                near += total > apart and c - filled[total - 1 - apart] <= gap
+        step, seen = max(1, near // pairs), 0
+        for m in range(apart, total):
+            if filled[m] - filled[m - apart] > gap:
+                continue
+            if seen % step == 0:
+                angle = angle_per_cell(xyz, scanner, lines, k, filled[m - apart], filled[m])
+                if angle < math.inf:
+                    angles[k, count[k]] = angle
+                    count[k] += 1
+            seen += 1
+
+
+@njit(**INNER)
+def angle_per_cell(
+    xyz: AnyArray, scanner: AnyArray, lines: AnyArray, k: int, one: int, other: int
+) -> float:
+    """Angle between the beams of two cells of line k, over their distance; inf: unknown."""
+    p, q = lines[k, one], lines[k, other]
+    ax, ay, az = xyz[p, 0] - scanner[0], xyz[p, 1] - scanner[1], xyz[p, 2] - scanner[2]
+    bx, by, bz = xyz[q, 0] - scanner[0], xyz[q, 1] - scanner[1], xyz[q, 2] - scanner[2]
+    cx, cy, cz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    dot = ax * bx + ay * by + az * bz
+    sizes = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)
+    if not (0.0 < sizes < math.inf):
+        return math.inf
+    return math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), dot) / (other - one)
+
+
+@njit(cache=True, nogil=True)
+def half_window(
+    r: int, angle: float, down: float, across: AnyArray, columns: int
+) -> tuple[int, int]:
     """Rows and columns on either side that a cone of half-angle `angle` can touch.
 
-    `down` holds the angle from row to row for each column, `across` that from column to
-    column for each row. Columns meet at a pole: there the window takes them all.
+    `down` is the angle from row to row, `across` holds that from column to column for each
+    row. Columns meet at a pole: there the window takes them all.
     """
-    rows, columns = across.size, down.size
+    rows = across.size
     high = rows
-    if angle * MARGIN < down[c] * rows:
-        high = min(rows, int(angle * MARGIN / down[c]) + 1)
+    if angle * MARGIN < down * rows:
+        high = min(rows, int(angle * MARGIN / down) + 1)
     step = min(across[r], across[max(r - high, 0)], across[min(r + high, rows - 1)])
     wide = columns
     if angle * MARGIN < step * columns:
@@ -74,7 +111,9 @@ def mark_tiles(
         r, c = row[i], column[i]
         high, wide = least, least
         for k in range(widths.size):
-            h, w = half_window(r, c, math.asin(min(1.0, widths[k] / distance)), down, across)
+            h, w = half_window(
+                r, math.asin(min(1.0, widths[k] / distance)), down[c], across, columns
+            )
             if k > 0 and (2 * h + 1) * (2 * w + 1) > cells:
                 break
             high, wide = max(high, h), max(wide, w)
@@ -116,74 +155,3 @@ def sort_by_cell(
             x[place], y[place], z[place] = xyz[i, 0], xyz[i, 1], xyz[i, 2]
             member[place] = i
     return x, y, z, member
-
-
-@njit(cache=True, nogil=True, fastmath=SAFE)
-def sum_window(
-    x: AnyArray, y: AnyArray, z: AnyArray, start: AnyArray, rows: int, columns: int, seam: bool,
-    r: int, c: int, high: int, wide: int, px: float, py: float, pz: float, limit: float,
-    sums: AnyArray,
-) -> None:  # fmt: skip
-    """Sum the ball over a window; a row's cells lie side by side in memory."""
-    sums[:] = 0.0
-    step = max(1, (2 * wide + 1) // MOST_PER_ROW)
-    left, right = c - wide, c + wide + 1
-    if right - left >= columns:
-        left, right = 0, columns
-    for line in range(max(r - high, 0), min(r + high, rows - 1) + 1):
-        base = line * columns
-        add_ball(
-            x, y, z, start[base + max(left, 0)], start[base + min(right, columns)], step,
-            px, py, pz, limit, sums,
-        )  # fmt: skip
-        if seam and left < 0:
-            add_ball(
-                x, y, z, start[base + left + columns], start[base + columns], step,
-                px, py, pz, limit, sums,
-            )  # fmt: skip
-        if seam and right > columns:
-            add_ball(
-                x, y, z, start[base], start[base + right - columns], step,
-                px, py, pz, limit, sums,
-            )  # fmt: skip
-
-
-@njit(cache=True, nogil=True)
-def fit_in_windows(
-    x: AnyArray, y: AnyArray, z: AnyArray, member: AnyArray, start: AnyArray, row: AnyArray,
-    column: AnyArray, slot: AnyArray, first: int, last: int, scanner: AnyArray, down: AnyArray,
-    across: AnyArray, seam: bool, widths: AnyArray, enough: int, cells: int, normals: AnyArray,
-    count: AnyArray, width: AnyArray, rms: AnyArray,
-) -> None:  # fmt: skip
-    """Planes of the sorted points `first` to `last`, written to the slots of those asked for.
-
-    The ball grows through `widths` until it holds `enough` points, or until its window has
-    more than `cells` cells: a point that finds no support in so many beams lies on nothing.
-    """
-    rows, columns = across.size, down.size
-    sums = np.empty(SUMS)
-    for p in range(first, last):
-        i = member[p]
-        k = slot[i]
-        if k < 0:
-            continue
-        px, py, pz = x[p], y[p], z[p]
-        dx, dy, dz = px - scanner[0], py - scanner[1], pz - scanner[2]
-        distance = math.sqrt(dx * dx + dy * dy + dz * dz)
-        defined = False
-        for g in range(widths.size):
-            angle = math.asin(min(1.0, widths[g] / distance))
-            high, wide = half_window(row[i], column[i], angle, down, across)
-            if g > 0 and (2 * high + 1) * (2 * wide + 1) > cells:
-                break
-            sum_window(
-                x, y, z, start, rows, columns, seam, row[i], column[i], high, wide,
-                px, py, pz, widths[g] * widths[g], sums,
-            )  # fmt: skip
-            count[k] = int(sums[0])
-            width[k] = widths[g]
-            defined = covers_area(sums, px, py, pz, scanner, widths[g])
-            if sums[0] >= enough and defined:
-                break
-        if defined:
-            rms[k] = store_plane(sums, px, py, pz, scanner, normals[k])

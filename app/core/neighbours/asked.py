@@ -24,7 +24,10 @@ def each_once(points: Ints | None, total: int) -> tuple[Ints | None, Ints | slic
     """
     if points is None:
         return None, slice(None)
-    asked, where = np.unique(np.asarray(points, dtype=np.int64), return_inverse=True)
+    asked = np.asarray(points, dtype=np.int64)
+    where: Ints | slice = slice(None)
+    if not (np.diff(asked) > 0).all():  # most requests are sorted: then there is nothing to do
+        asked, where = np.unique(asked, return_inverse=True)
     if len(asked) and (asked[0] < 0 or asked[-1] >= total):
         wrong = asked[0] if asked[0] < 0 else asked[-1]
         raise WrongUse(f"Point {wrong} was asked for; the scan has {total} points.")

@@ -6,11 +6,12 @@ What a file says about its steps, or its poles, is not needed and not trusted.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Bools, Floats, Ints, read_only
+from app.core.arrays import AnyArray, Floats, Ints, read_only
+from app.core.chunks import run_in_pieces
 from app.core.errors import BadInput
 
 LINES = 48
@@ -150,7 +151,16 @@ def _sample(grid: ScanGrid, rows: Ints, columns: Ints) -> tuple[Ints, Ints]:
     column_slot[columns] = np.arange(len(columns))
     in_rows = np.full((len(rows), grid.columns), -1)
     in_columns = np.full((len(columns), grid.rows), -1)
-    if not sample_lines(grid.row, grid.column, row_slot, column_slot, in_rows, in_columns):
+    inside = [False, False]
+
+    def work(first: int, _: int) -> None:
+        if first == 0:
+            inside[0] = sample_lines(grid.row, grid.column, row_slot, in_rows)
+        else:
+            inside[1] = sample_lines(grid.column, grid.row, column_slot, in_columns)
+
+    run_in_pieces(work, np.arange(3))
+    if not all(inside):
         raise BadInput(
             f"A point lies outside the grid of {grid.rows} × {grid.columns} cells.",
             "The file's rows or columns are damaged.",
@@ -160,39 +170,42 @@ def _sample(grid: ScanGrid, rows: Ints, columns: Ints) -> tuple[Ints, Ints]:
 
 def _measure_lines(xyz: Floats, scanner: Floats, lines: Ints) -> Floats:
     """Median angle between neighbouring cells of each line; NaN where there are no pairs."""
-    medians = np.full(len(lines), np.nan)
-    spreads, straight = [], []
-    for k, line in enumerate(lines):
-        angles = _angles_per_cell(xyz, scanner, line, 1)
-        if len(angles):
-            low, medians[k], high = np.quantile(angles, [0.25, 0.5, 0.75])
-            spreads.append(high / low if low > 0.0 else np.inf)
-            far = _angles_per_cell(xyz, scanner, line, FAR)
-            straight.append(np.median(far) / medians[k] if len(far) else 1.0)
-    if not spreads:
+    low, medians, high = _quartiles(xyz, scanner, lines, 1)
+    known = np.isfinite(medians)
+    if not known.any():
         raise UnusableGrid("the grid has no neighbouring cells to measure its steps by")
+    far = _quartiles(xyz, scanner, lines, FAR)[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spreads = np.where(low > 0.0, high / low, np.inf)[known]
+        straight = np.where(np.isfinite(far), far / medians, 1.0)[known]
     if np.median(spreads) > LARGEST_SPREAD or np.median(straight) < LEAST_STRAIGHT:
         raise UnusableGrid("rows and columns do not follow the beams from this position")
     return medians
 
 
-def _angles_per_cell(xyz: Floats, scanner: Floats, line: Ints, apart: int) -> Floats:
-    """Angle per cell between points of a line that are `apart` filled cells apart.
+def _quartiles(
+    xyz: Floats, scanner: Floats, lines: Ints, apart: int
+) -> tuple[Floats, Floats, Floats]:
+    """Quartiles of the angle per cell between points `apart` filled cells apart, line by line.
 
-    At most about `PAIRS` of them, and none over gaps in the line.
+    Over at most about `PAIRS` pairs of each line, and none over gaps in it; NaN: no pair.
     """
-    filled = np.flatnonzero(line >= 0)
-    if len(filled) <= apart:
-        return np.empty(0)
-    gap = filled[apart:] - filled[:-apart]
-    near = np.flatnonzero(gap <= MOST_GAP * apart)
-    near = near[:: max(1, len(near) // PAIRS)]
-    beams = xyz[line[filled[near]]] - scanner
-    others = xyz[line[filled[near + apart]]] - scanner
-    with np.errstate(invalid="ignore", over="ignore"):
-        angles: Floats = angle_between(beams, others) / gap[near]
-        usable: Bools = np.isfinite(angles) & beams.any(axis=1) & others.any(axis=1)
-    return angles[usable]
+    from app.core.kernels.grid import angles_along
+
+    angles, count = np.full((len(lines), 2 * PAIRS), np.inf), np.zeros(len(lines), np.int64)
+    angles_along(xyz, scanner, lines, apart, MOST_GAP * apart, PAIRS, angles, count)
+    angles.sort(axis=1)
+
+    def quantile(share: float) -> Floats:
+        place = share * np.maximum(count - 1, 0)
+        below = place.astype(np.int64)
+        each = np.arange(len(lines))
+        one, next_one = angles[each, below], angles[each, np.minimum(below + 1, count - 1)]
+        with np.errstate(invalid="ignore"):
+            value: Floats = one + (place - below) * (next_one - one)
+        return np.where(count > 0, value, np.nan)
+
+    return quantile(0.25), quantile(0.5), quantile(0.75)
 
 
 def _measure_noise(xyz: Floats, scanner: Floats, lines: Ints) -> float:
@@ -220,12 +233,12 @@ def _finds_seam(xyz: Floats, scanner: Floats, in_rows: Ints, across: Floats) -> 
     columns = in_rows.shape[1]
     if columns < 4 * SEAM_COLUMNS:
         return False
-    votes: list[bool] = []
-    for line, step in zip(in_rows, across, strict=True):
-        head = np.flatnonzero(line[:SEAM_COLUMNS] >= 0)
-        tail = np.flatnonzero(line[columns - SEAM_COLUMNS :] >= 0)
-        if len(head) and len(tail):
-            gap = head[0] + SEAM_COLUMNS - tail[-1]
-            ends: Any = xyz[line[[head[0], columns - SEAM_COLUMNS + tail[-1]]]] - scanner
-            votes.append(bool(angle_between(ends[:1], ends[1:])[0] <= (gap + 1.5) * step))
-    return sum(votes) * 2 > len(votes)
+    first, last = in_rows[:, :SEAM_COLUMNS] >= 0, in_rows[:, columns - SEAM_COLUMNS :] >= 0
+    line = np.flatnonzero(first.any(axis=1) & last.any(axis=1))
+    head = first.argmax(axis=1)[line]
+    tail = SEAM_COLUMNS - 1 - last[:, ::-1].argmax(axis=1)[line]
+    heads = xyz[in_rows[line, head]] - scanner
+    tails = xyz[in_rows[line, columns - SEAM_COLUMNS + tail]] - scanner
+    gap = head + SEAM_COLUMNS - tail
+    votes = angle_between(heads, tails) <= (gap + 1.5) * across[line]
+    return bool(votes.sum() * 2 > len(votes))

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.core.arrays import Floats, Ints
+from app.core.chunks import count_processors, run_in_pieces, split_evenly
 
 BOXES = 126
+PIECE = 200_000
+MOST_PARTS = 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,14 +67,45 @@ def crop_to(xyz: Floats, scanner: Floats, points: Ints, margin: float) -> Ints:
     return kept
 
 
-def sort_voxels(xyz: Floats, points: Ints, cell: float) -> SortedVoxels:
-    """Sort points (k,) of xyz (n, 3) by voxels of side `cell` metres."""
-    from app.core.kernels.voxels import voxel_keys
+def usable_points(xyz: Floats, scanner: Floats) -> Ints:
+    """Numbers of the points with a finite range above zero, rising."""
+    from app.core.kernels.voxels import find_usable
 
-    centre = np.median(xyz[points[:: max(1, len(points) // 1000)]], axis=0)
-    keys = voxel_keys(xyz, points, centre, cell)
-    order = np.argsort(keys, kind="stable")
-    keys, member = keys[order], points[order]
-    first = np.flatnonzero(np.diff(keys, prepend=keys[0] - 1))
-    x, y, z = np.ascontiguousarray(xyz[member].T)
-    return SortedVoxels(x, y, z, member, keys[first], np.append(first, len(keys)))
+    usable = np.empty(len(xyz), np.bool_)
+    run_in_pieces(
+        lambda first, last: find_usable(xyz, scanner, first, last, usable),
+        split_evenly(len(xyz), PIECE),
+    )
+    return np.flatnonzero(usable)
+
+
+def sort_voxels(xyz: Floats, points: Ints, cell: float) -> SortedVoxels:
+    """Sort points (k,) of xyz (n, 3) by voxels of side `cell` metres.
+
+    Parts of the keys, by size, are sorted in threads.
+    """
+    from app.core.kernels.voxels import take_points, voxel_keys
+
+    size = len(points)
+    sample = points[:: max(1, size // 1000)]
+    centre = np.median(xyz[sample], axis=0)
+    keys = np.empty(size, np.int64)
+    run_in_pieces(
+        lambda first, last: voxel_keys(xyz, points, centre, cell, first, last, keys),
+        split_evenly(size, PIECE),
+    )
+    parts = min(count_processors(), MOST_PARTS) if size > PIECE else 1
+    limits = np.quantile(keys[:: max(1, size // 1000)], np.arange(1, parts) / parts)
+    part = np.searchsorted(limits.astype(np.int64), keys).astype(np.uint8)
+    begin = np.concatenate([[0], np.cumsum(np.bincount(part, minlength=parts))])
+    x, y, z = np.empty(size), np.empty(size), np.empty(size)
+    member, rising = np.empty(size, np.int64), np.empty(size, np.int64)
+
+    def sort_part(k: int, _: int) -> None:
+        own = np.flatnonzero(part == k)
+        order = own[np.argsort(keys[own], kind="stable")]
+        take_points(xyz, points, keys, order, begin[k], x, y, z, member, rising)
+
+    run_in_pieces(sort_part, np.arange(parts + 1))
+    first = np.flatnonzero(np.diff(rising, prepend=rising[0] - 1))
+    return SortedVoxels(x, y, z, member, rising[first], np.append(first, size))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.core.errors import BadInput
-from app.core.neighbours.steps import UnusableGrid, measure_steps
+from app.core.neighbours.steps import LINES, UnusableGrid, measure_steps
 
 
 def make_sphere(rows, columns, low, high, turn, radius=2.0):
@@ -68,3 +68,20 @@ def test_damaged_grids_are_refused():
     grid.rows, grid.columns = 10**6, 10**6
     with pytest.raises(UnusableGrid, match="empty"):
         measure_steps(xyz, np.zeros(3), grid)
+
+
+def test_steps_are_medians_over_the_filled_cells():
+    """Holes of up to four cells are bridged, longer ones and lost points are not."""
+    xyz, grid, _ = make_sphere(60, 60, -0.3, 0.3, 0.6)
+    rng = np.random.default_rng(4)
+    kept = (rng.random(len(xyz)) > 0.4) & (grid.column % 20 > 7)
+    xyz, grid.row, grid.column = xyz[kept], grid.row[kept], grid.column[kept]
+    xyz = xyz * (1 + rng.uniform(-0.02, 0.02, (len(xyz), 3)) * 0.05)
+    xyz[rng.random(len(xyz)) < 0.05] = np.nan
+    steps = measure_steps(xyz, np.zeros(3), grid)
+    for r in np.unique(np.linspace(0, 59, LINES).astype(int))[::5]:
+        line = np.flatnonzero(grid.row == r)
+        a, b, gap = xyz[line[:-1]], xyz[line[1:]], np.diff(grid.column[line])
+        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1)) / gap
+        expected = np.median(angle[(gap <= 4) & np.isfinite(angle)])
+        assert steps.across[r] == pytest.approx(expected, rel=1e-9)

@@ -1,0 +1,1 @@
+"""Estimators of the local plane at a point, one file each."""
