@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from app.core.errors import BadInput
-from app.core.planes import leaf_plane, total_least_squares_plane
+from app.core.planes import (
+    leaf_plane,
+    regression_plane,
+    robust_plane,
+    total_least_squares_plane,
+)
 
 
 def make_leaf(normal, noise=0.0, n=400, offset=(2.0, 0.3, 0.1), seed=0):
@@ -18,7 +23,9 @@ def make_leaf(normal, noise=0.0, n=400, offset=(2.0, 0.3, 0.1), seed=0):
 
 
 @pytest.mark.parametrize("normal", [(-1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 2, 0.5)])
-@pytest.mark.parametrize("fit", [leaf_plane, total_least_squares_plane])
+@pytest.mark.parametrize(
+    "fit", [leaf_plane, regression_plane, robust_plane, total_least_squares_plane]
+)
 def test_exact_plane(normal, fit):
     xyz, truth = make_leaf(normal)
     plane = fit(xyz, np.zeros(3))
@@ -61,7 +68,9 @@ def test_missing_rows_and_large_offsets_change_nothing():
     assert b.incidence == pytest.approx(a.incidence, abs=1e-7)
 
 
-@pytest.mark.parametrize("fit", [leaf_plane, total_least_squares_plane])
+@pytest.mark.parametrize(
+    "fit", [leaf_plane, regression_plane, robust_plane, total_least_squares_plane]
+)
 def test_points_without_a_plane_are_refused(fit):
     line = np.outer(np.linspace(0, 1, 30), [1.0, 2.0, 3.0]) + 1e6
     for xyz, text in ((line, "one line"), (line[:2], "three points"), (line * np.nan, "0 of")):
@@ -110,3 +119,28 @@ def test_a_crown_has_no_plane() -> None:
     crown = np.random.default_rng(5).normal((5.0, 0.0, 2.0), (0.5, 0.4, 0.6), (3000, 3))
     with pytest.raises(BadInput, match="all directions"):
         leaf_plane(crown, np.zeros(3))
+
+
+def test_each_plane_is_what_leaf_plane_takes() -> None:
+    leaf = tilted_leaf(40)
+    ghosts = leaf[:240] * np.random.default_rng(2).uniform(1.05, 1.9, (240, 1))
+    spoilt = np.concatenate((leaf, ghosts))
+    for xyz, fit in ((leaf, regression_plane), (spoilt, robust_plane)):
+        taken, own = leaf_plane(xyz, np.zeros(3)), fit(xyz, np.zeros(3))
+        assert taken.method == own.method
+        assert (taken.normal == own.normal).all()
+        assert taken.sigma == own.sigma
+    assert regression_plane(spoilt, np.zeros(3)).warning
+
+
+@pytest.mark.parametrize("fit", [regression_plane, robust_plane, total_least_squares_plane])
+@pytest.mark.parametrize("tilt", [10, 60])
+def test_sigma_is_the_spread_of_the_angle(fit, tilt) -> None:
+    planes = [fit(tilted_leaf(tilt, seed), np.zeros(3)) for seed in range(60)]
+    # Each draw has its own points: what is left of the mean angle is small beside the noise.
+    spread = np.std([plane.incidence for plane in planes])
+    assert np.median([plane.sigma for plane in planes]) == pytest.approx(spread, rel=0.35)
+
+
+def test_without_a_scanner_there_is_no_sigma() -> None:
+    assert np.isnan(leaf_plane(tilted_leaf(10), None).sigma)
