@@ -13,6 +13,9 @@ from app.cli.console import LINE, watch
 if TYPE_CHECKING:
     from app.services.bench.results import Bench, ResultTable, Value
 
+WIDEST = 1000
+"""Characters of a line of a table, where the output is no terminal."""
+
 bench = App(
     name="bench",
     default_parameter=Parameter(negative=(), show_default=False),
@@ -47,6 +50,87 @@ def simulate(
     finish(bench_simulate(quick, truth, watch()), out, json, overwrite)
 
 
+@bench.command
+def incidence(
+    *,
+    peers: bool = False,
+    out: Path | None = None,
+    radius: float = 0.004,
+    quick: bool = False,
+    truth: Path | None = None,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure time and error of the angles of incidence, method by method.
+
+    Parameters
+    ----------
+    peers
+        Take Open3D, CloudCompare and SciPy in, where they are installed: about ten minutes.
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    radius
+        Metres, given to all methods.
+    quick
+        Small scans and few radii: half a minute.
+    truth
+        Folder with another simulator's scans (phase_shift, pulsed) to take in too.
+    """
+    from app.services.bench.incidence.run import bench_incidence, refuse_bench_incidence
+
+    if out is not None:
+        refuse_bench_incidence(out, overwrite)
+    finish(bench_incidence(peers, radius, quick, truth, watch()), out, json, overwrite)
+
+
+@bench.command
+def planes(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure the error of the planes of whole leaves, and check them on a goniometer.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    quick
+        Few leaves and angles: some seconds instead of ten minutes.
+    """
+    from app.services.bench.planes.run import bench_planes, refuse_bench_planes
+
+    if out is not None:
+        refuse_bench_planes(out, overwrite)
+    finish(bench_planes(quick, watch()), out, json, overwrite)
+
+
+@bench.command
+def stability(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Check that what must not change an angle of incidence does not.
+
+    Parameters
+    ----------
+    out
+        Folder for the table as CSV and JSON.
+    quick
+        Smaller scans.
+    """
+    from app.services.bench.stability.run import bench_stability, refuse_bench_stability
+
+    if out is not None:
+        refuse_bench_stability(out, overwrite)
+    finish(bench_stability(quick, watch()), out, json, overwrite)
+
+
 def finish(found: Bench, out: Path | None, as_json: bool, overwrite: bool) -> None:
     """Write what a bench found, if a folder is given, and print it."""
     from app.cli.printing import print_json, say
@@ -70,15 +154,18 @@ def print_table(table: ResultTable) -> None:
     from rich.table import Table
 
     LINE.wipe()
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=200)
     shown = Table(title=table.title, title_justify="left", caption=table.note or None)
     numeric = {name for name in table.columns if not isinstance(table.rows[0][name], (str, bool))}
     for name in table.columns:
         shown.add_column(name, justify="right" if name in numeric else "left")
     for row in table.rows:
         shown.add_row(*(show_value(row[name]) for name in table.columns))
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        wide = console.options.update(max_width=WIDEST)
+        console = Console(
+            highlight=False, width=max(200, console.measure(shown, options=wide).maximum)
+        )
     console.print(shown)
 
 

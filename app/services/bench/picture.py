@@ -40,6 +40,34 @@ class Panel:
     y_scale: Scale = "linear"
 
 
+@dataclass(frozen=True, slots=True)
+class Dots:
+    """Points of one maker, joined in their order; hollow squares for a rival.
+
+    `texts` stand beside the dots; those of `strong` are larger.
+    """
+
+    name: str
+    x: Sequence[float]
+    y: Sequence[float]
+    texts: Sequence[str]
+    strong: Sequence[bool]
+    rival: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Scatter:
+    """A diagram of two costs, both on log axes; the lower left is best.
+
+    The Pareto front, what no other dot beats in one cost and equals in the other, is marked.
+    """
+
+    title: str
+    x_name: str
+    y_name: str
+    dots: Sequence[Dots]
+
+
 def draw_panels(panels: Sequence[Panel], path: Path) -> None:
     """Draw panels side by side into a PNG file.
 
@@ -80,7 +108,7 @@ def _draw(axes: Any, panel: Panel) -> None:
     axes.set_yscale(panel.y_scale)
     for axis, scale in ((axes.xaxis, panel.x_scale), (axes.yaxis, panel.y_scale)):
         if scale == "log":
-            _number(axis)
+            number_axis(axis)
     if panel.y_scale == "linear" and min(min(curve.y) for curve in panel.curves) >= 0:
         axes.set_ylim(bottom=0)
     axes.grid(True, which="major", color="#d9dcdf", linewidth=0.6)
@@ -91,7 +119,7 @@ def _draw(axes: Any, panel: Panel) -> None:
         axes.legend(fontsize=8, frameon=False)
 
 
-def _number(axis: Any) -> None:
+def number_axis(axis: Any) -> None:
     """Plain numbers at 1, 2 and 5 of each decade, or at 1 alone where there are many."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
@@ -99,6 +127,21 @@ def _number(axis: Any) -> None:
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 1000 * low else (1.0,)))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def draw_scatters(panels: Sequence[Scatter], path: Path, across: int = 2) -> None:
+    """Draw scatter diagrams in rows of `across` into a PNG file, with one legend for all.
+
+    Raises
+    ------
+    WrongUse
+        There is no panel.
+    """
+    from app.services.bench.scatter import draw_figure
+
+    if not panels:
+        raise WrongUse("A picture without a panel cannot be drawn.")
+    draw_figure(panels, across).savefig(path, format="png", metadata={"Software": None})
 
 
 def _cycle(count: int) -> list[str]:

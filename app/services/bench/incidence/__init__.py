@@ -1,0 +1,1 @@
+"""``leafscope bench incidence``: how right and how fast the angles of incidence are."""

@@ -1,0 +1,1 @@
+"""Planes of whole leaves: how right their angles are."""
