@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0
 INTERVAL = 0.1
+RETRY = 0.1
 STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -60,11 +61,27 @@ class Stop:
         progress finds `asked`, and where there is none a second signal still ends the program.
         """
         self._asked = True
+        if _is_compiling() and hasattr(signal, "setitimer"):
+            # An exception in the middle of LLVM may crash it, or leave its lock taken for ever.
+            signal.signal(signal.SIGALRM, self.ask)
+            signal.setitimer(signal.ITIMER_REAL, RETRY)
+            self._let_signals_kill()
+            return
         # What was half made when the signal came cannot be taken apart, and would say so at length.
         sys.unraisablehook = _keep_quiet
+        self._let_signals_kill()
+        raise Cancelled
+
+    def _let_signals_kill(self) -> None:
         for number in STOPS:
             signal.signal(number, signal.SIG_DFL)
-        raise Cancelled
+
+
+def _is_compiling() -> bool:
+    """Whether a kernel is being compiled; without an import of numba."""
+    module = sys.modules.get("numba.core.compiler_lock")
+    lock = getattr(module, "global_compiler_lock", None)
+    return lock is not None and bool(lock.is_locked())
 
 
 def _keep_quiet(_unraisable: object) -> None:

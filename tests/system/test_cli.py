@@ -302,7 +302,7 @@ def test_a_fault_of_ours_is_a_sentence_too(
     assert len(error.splitlines()) == 1
 
 
-@pytest.mark.parametrize("after", [0.05, 0.4, 0.9, 1.4])
+@pytest.mark.parametrize("after", [0.05, 0.4, 1.2])
 def test_ctrl_c_cancels_wherever_it_comes(leaves_file: Path, tmp_path: Path, after: float) -> None:
     out = tmp_path / "new" / "replayed"
     command = [sys.executable, "-m", "app.cli", "demo", "--out", str(out)]
@@ -314,7 +314,7 @@ def test_ctrl_c_cancels_wherever_it_comes(leaves_file: Path, tmp_path: Path, aft
     )
     time.sleep(after)
     os.killpg(process.pid, signal.SIGINT)  # a terminal signals the whole group
-    _, err = process.communicate(timeout=20)
+    _, err = process.communicate(timeout=60)
     if process.returncode == -signal.SIGINT or process.returncode == 130:
         assert after < 0.4, "only Python's own start may end without a sentence"
     else:
