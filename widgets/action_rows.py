@@ -89,6 +89,10 @@ def _scan_rows() -> tuple[Row, ...]:
         Row("scan.columns", tr("&Columns of the text file…"),
             lambda desk, _: desk.scans.name_columns(), "scan", icon="ph.columns",
             enabled=lambda d: d.has_text, tip=tr("Correct how the columns were guessed")),
+        Row("scan.angles", tr("&Incidence angles"), lambda desk, _: desk.views.show_panel("angles"),
+            "scan", ("A",), "mdi6.angle-acute", section=1, enabled=has_scan,
+            tip=tr("Radius, estimator and beam; how neighbours were found, and how good angles "
+                   "are")),
         Row("scan.find_leaves", tr("&Find leaves"), lambda desk, _: desk.scans.find_leaves(),
             "scan", icon="ph.leaf", section=1, enabled=has_scan,
             tip=tr("Part the whole scan into leaves by what hangs together")),

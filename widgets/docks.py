@@ -38,6 +38,7 @@ PLACES = (
     Place("phase_lab", "Phase lab", "right", "Fit an angular curve to leaves"),
     Place("wrinkles", "Δω", "right", "Wrinkles: angle from intensity less the leaf's angle"),
     Place("ghosts", "Ghosts", "right", "Find mixed pixels; mark, delete or correct them"),
+    Place("angles", "Angles", "right", "How incidence angles are found, and how good they are"),
 )
 
 
@@ -137,6 +138,7 @@ class Docks(QObject):
 
 def make_panels(controller: Controller, work: LeafWork, documents: Documents) -> dict[str, Panel]:
     """Make every panel; their libraries are loaded here, not when the window opens."""
+    from widgets.panels.angles import AnglesPanel
     from widgets.panels.ghosts import GhostsPanel
     from widgets.panels.history import HistoryPanel
     from widgets.panels.jobs import JobsPanel
@@ -155,4 +157,5 @@ def make_panels(controller: Controller, work: LeafWork, documents: Documents) ->
         "phase_lab": PhaseLabPanel(controller, work, documents),
         "wrinkles": WrinklesPanel(controller, work, documents),
         "ghosts": GhostsPanel(controller, work, documents),
+        "angles": AnglesPanel(controller, work, documents),
     }

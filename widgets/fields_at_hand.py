@@ -12,7 +12,14 @@ from app.model.state import ScanState
 from app.model.truth_fields import describe_truth
 
 JUDGED = ("incidence_from_intensity", "delta_omega", "ghost_score", "ghost", "leaf")
-GEOMETRY = ("range", "incidence")
+GEOMETRY = (
+    "range",
+    "incidence",
+    "incidence_sigma",
+    "incidence_width",
+    "footprint",
+    "footprint_share",
+)
 GROUPS = ("Channels", "Indices", "Geometry", "Leaves & ghosts", "Truth", "Other")
 
 
@@ -62,6 +69,8 @@ def why_not(project: Project, scan: str, field: str) -> str:
             return "The scan has no intensity."
         if state.parameters.curve is None:
             return "No angular curve is in use: fit one in the phase lab."
+    if "beam" in spec.parameters and state.parameters.beam is None:
+        return "The scanner's beam is unknown: give it under Scan ▸ Incidence angles."
     if "leaves" in spec.needs and not project.state.leaves_of(scan):
         return "There is no leaf yet: draw around one with the lasso."
     if spec.name in NAMED:

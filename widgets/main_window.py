@@ -77,7 +77,7 @@ class MainWindow(QMainWindow):
             FileDeeds(self, controller, documents, self.picture),
             ScanDeeds(self, controller, documents, self.work, self.tools),
             self.picture,
-            ViewDeeds(self, controller, self.theme),
+            ViewDeeds(self, controller, self.theme, self.docks),
         )
 
     def _build(self) -> None:

@@ -7,12 +7,15 @@ from PySide6.QtCore import QObject, Signal
 
 from app.core.progress import Progress
 from app.core.screen import View, pick, project
+from app.core.units import to_degrees
+from app.model.fields import Values
 from app.model.project import Project
+from widgets.common.numbers import show_with_sd
 from widgets.controller import Controller
 from widgets.fields_at_hand import why_not
 
 REACH = 6.0  # pixels around the cursor
-ANSWERED = ("range", "incidence")
+ANSWERED = ("range", "incidence_sigma")  # which computes the incidence too
 
 Found = tuple[str, int] | None
 Value = tuple[str, str | float | int, str]
@@ -83,6 +86,15 @@ class Picker(QObject):
             self.described.emit(describe_point(self._controller.project, *self.point))
 
 
+def _measure(name: str, known: Values, row: int) -> str | float:
+    """The value; an incidence angle with its standard error where that is known."""
+    value = float(known.values[row])
+    sigma = known.beside.get("sigma") if name == "incidence" else None
+    if sigma is None or not np.isfinite(sigma[row]):
+        return value
+    return show_with_sd(value, float(to_degrees(sigma[row])))
+
+
 def describe_point(project: Project, scan: str, row: int) -> list[Value]:
     """All that is known of a point; computes nothing."""
     state = project.state.scan(scan)
@@ -98,7 +110,7 @@ def describe_point(project: Project, scan: str, row: int) -> list[Value]:
         if held is not None:
             values.append((spec.title, held[row].item(), spec.unit))
         elif known is not None and known.have[row]:
-            values.append((spec.title, float(known.values[row]), spec.unit))
+            values.append((spec.title, _measure(name, known, row), spec.unit))
     leaves = [leaf.name for leaf in project.state.leaves_of(scan) if row in leaf.members.indices]
     if leaves:
         values.append(("Leaf", ", ".join(leaves), ""))

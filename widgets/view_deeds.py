@@ -11,6 +11,7 @@ from app import __version__
 from app.model.view_state import Theme
 from widgets.controller import Controller
 from widgets.dialogs.guide import GuideDialog
+from widgets.docks import Docks
 from widgets.theme import ThemeSwitch
 
 if TYPE_CHECKING:
@@ -22,9 +23,12 @@ SMALLEST_POINT, LARGEST_POINT, STEP = 1.0, 12.0, 1.0
 class ViewDeeds(QObject):
     """Point size, theme, layout and help."""
 
-    def __init__(self, window: QMainWindow, controller: Controller, theme: ThemeSwitch) -> None:
+    def __init__(
+        self, window: QMainWindow, controller: Controller, theme: ThemeSwitch, docks: Docks
+    ) -> None:
         super().__init__(window)
         self._window, self._controller, self._theme = window, controller, theme
+        self._docks = docks
         self._layout = window.saveState()
         self.table: ActionTable | None = None
 
@@ -42,6 +46,10 @@ class ViewDeeds(QObject):
         """Draw points larger or smaller."""
         size = self._controller.view.point_size + steps * STEP
         self._controller.look(point_size=min(max(size, SMALLEST_POINT), LARGEST_POINT))
+
+    def show_panel(self, name: str) -> None:
+        """Bring a panel to the front."""
+        self._docks.raise_panel(name)
 
     def remember_layout(self) -> None:
         """Take the docks as they are for the layout to come back to."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
@@ -49,7 +49,31 @@ class Reading:
     "Metres per unit of the file (0.001 for millimetres)."
 
 
-DEFAULT_READING = Reading()
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Planes:
+    """How the local plane at a point is found."""
+
+    radius: float | None = None
+    "Half-width of the window around a point, metres (default 0.004)."
+    estimator: Literal["adaptive", "robust", "window", "ball"] | None = None
+    "How planes are found: adaptive (default), robust, window, or ball as in other programs."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Footprint:
+    """The beam, for the fields footprint and footprint_share."""
+
+    instrument: str | None = None
+    "Beam of an instrument: a name (see simulate --list) or a TOML file."
+    exit_diameter: float | None = None
+    "Diameter of the beam where it leaves the scanner, mm."
+    half_divergence: float | None = None
+    "HALF of the beam's full divergence, degrees."
+
+
+DEFAULT_READING, DEFAULT_PLANES, DEFAULT_FOOTPRINT = Reading(), Planes(), Footprint()
 
 
 def opening(file: Path, reading: Reading) -> Opening:
@@ -67,6 +91,20 @@ def opening(file: Path, reading: Reading) -> Opening:
     )
     origin = None if reading.origin is None else parse_origin(reading.origin)
     return Opening(file, options, origin, reading.channel)
+
+
+def parameters_of(
+    planes: Planes, beam: Footprint = DEFAULT_FOOTPRINT, threshold: float | None = None
+) -> dict[str, Any]:
+    """What a service is told about the parameters of the fields; None stays the default."""
+    from app.services.beams import choose_beam
+
+    return {
+        "radius": planes.radius,
+        "estimator": planes.estimator,
+        "beam": choose_beam(beam.instrument, beam.exit_diameter, beam.half_divergence),
+        "ghost_threshold": threshold,
+    }
 
 
 @leafscope.default
@@ -107,8 +145,9 @@ def compute(
     *,
     field: tuple[str, ...],
     out: Path,
-    radius: float | None = None,
     report: Path | None = None,
+    planes: Planes = DEFAULT_PLANES,
+    beam: Footprint = DEFAULT_FOOTPRINT,
     reading: Reading = DEFAULT_READING,
     json: Json = False,
     overwrite: Overwrite = False,
@@ -120,11 +159,10 @@ def compute(
     file
         A scan.
     field
-        A field: range, incidence, ndi, ghost, a channel … (may be repeated).
+        A field: range, incidence, incidence_sigma, footprint, ndi, ghost, a channel … (may be
+        repeated).
     out
         File to write: .npz, .laz, .las, .e57, .ptx, .ply or .csv.
-    radius
-        Neighbours lie within this distance, metres (default 0.004).
     report
         JSON file with seconds, counts and versions.
     """
@@ -136,7 +174,7 @@ def compute(
         if report.resolve() == out.resolve():
             raise WrongUse(f"{out} cannot be both the result and the report.")
         refuse_target(report, overwrite)
-    parameters = {} if radius is None else {"radius": radius}
+    parameters = parameters_of(planes, beam)
     found = compute_file(opening(file, reading), field, out, parameters, overwrite, watch())
     if report is not None:
         write_json(found, report, overwrite)
@@ -184,7 +222,7 @@ def leaves(
     *,
     out: Path,
     label_field: str | None = None,
-    radius: float | None = None,
+    planes: Planes = DEFAULT_PLANES,
     reading: Reading = DEFAULT_READING,
     json: Json = False,
     overwrite: Overwrite = False,
@@ -200,13 +238,12 @@ def leaves(
     label_field
         Field whose whole numbers from 0 on name the leaves; without it leaves are found by
         connectivity.
-    radius
-        Neighbours lie within this distance, metres (default 0.004).
     """
     from app.cli.printing import print_leaves
     from app.services.leaf_tables import tabulate_leaves
 
-    rows = tabulate_leaves(opening(file, reading), out, label_field, radius, overwrite, watch())
+    parameters = parameters_of(planes)
+    rows = tabulate_leaves(opening(file, reading), out, label_field, parameters, overwrite, watch())
     print_leaves(rows, out, json)
 
 
@@ -218,7 +255,7 @@ def clean(
     mode: Literal["mark", "delete", "correct"],
     out: Path,
     threshold: float | None = None,
-    radius: float | None = None,
+    planes: Planes = DEFAULT_PLANES,
     reading: Reading = DEFAULT_READING,
     json: Json = False,
     overwrite: Overwrite = False,
@@ -240,7 +277,8 @@ def clean(
     from app.cli.printing import print_values
     from app.services.cleaning import clean_file
 
-    found = clean_file(opening(file, reading), mode, out, threshold, radius, overwrite, watch())
+    parameters = parameters_of(planes, threshold=threshold)
+    found = clean_file(opening(file, reading), mode, out, parameters, overwrite, watch())
     print_values(found, json)
 
 
@@ -254,7 +292,8 @@ def snapshot(
     size: str = "1280x800",
     theme: Literal["light", "dark"] = "light",
     limits: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    radius: float | None = None,
+    planes: Planes = DEFAULT_PLANES,
+    beam: Footprint = DEFAULT_FOOTPRINT,
     reading: Reading = DEFAULT_READING,
     overwrite: Overwrite = False,
 ) -> None:
@@ -283,7 +322,7 @@ def snapshot(
         parse_size(size),
         theme,
         parse_limits(limits) if limits else None,
-        radius,
+        parameters_of(planes, beam),
         overwrite,
         watch(),
     )

@@ -62,6 +62,7 @@ def print_info(found: Mapping[str, Any], as_json: bool) -> None:
     say(f"grid: {grid[0]} rows × {grid[1]} columns" if grid else "grid: none")
     scanner = found["scanner"]
     say(f"scanner: {_show(scanner)}" if scanner else "scanner: unknown (give --origin X,Y,Z)")
+    _print_neighbours(found["neighbours"])
     for channel in found["channels"]:
         nm = channel["wavelength_nm"]
         say(
@@ -76,6 +77,16 @@ def print_info(found: Mapping[str, Any], as_json: bool) -> None:
             say(f"{name.replace('_', ' ')}: {value}")
     say(f"bounds: {_show(found['bounds'])}")
     print_warnings(found["warnings"])
+
+
+def _print_neighbours(scans: Sequence[Mapping[str, Any]]) -> None:
+    for scan in scans:
+        whose = f" in {scan['scan']}" if len(scans) > 1 else ""
+        line = f"neighbours{whose}: {scan['method']}, {scan['reason']}"
+        if scan["step_deg"] is not None and scan["method"] == "scan grid":
+            down, across = scan["step_deg"]
+            line += f": {down:.3g}° × {across:.3g}° between beams"
+        say(line)
 
 
 def print_report(report: Mapping[str, Any], out: Path, as_json: bool) -> None:

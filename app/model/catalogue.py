@@ -6,13 +6,16 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from app.core.arrays import Floats, Ints
-from app.core.errors import BadInput, LeafscopeError, MissingChannel
+from app.core.arrays import Ints
+from app.core.errors import LeafscopeError, MissingChannel
 from app.core.indices import NAMED, NamedIndex, match_channels
 from app.core.indices import evaluate as evaluate_index
-from app.core.units import to_degrees, to_radians
-from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec
-from app.model.parameters import Curve, Formula
+from app.core.units import to_radians
+from app.model.angle_fields import ANGLES
+from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec, pick_rows
+from app.model.footprint_fields import FOOTPRINTS
+from app.model.neighbours import neighbours_of
+from app.model.parameters import Formula
 from app.model.scan import Channel, Scan
 from app.model.truth_fields import TruthField, describe_truth
 
@@ -41,7 +44,7 @@ def channel_field(channel: Channel) -> FieldSpec:
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
         values = evaluation.subject.state.scan.attributes[channel.attribute]
-        return Computed(_rows(values, points).astype(np.float64))
+        return Computed(pick_rows(values, points).astype(np.float64))
 
     nm = "" if channel.wavelength_nm is None else f"{channel.wavelength_nm:g}"
     title = channel.name if nm in channel.name else f"{channel.name} ({nm} nm)"
@@ -61,7 +64,9 @@ def attribute_field(name: str) -> FieldSpec:
     shown = describe_truth(name) or TruthField(name)
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
-        values = _rows(evaluation.subject.state.scan.attributes[name], points).astype(np.float64)
+        values = pick_rows(evaluation.subject.state.scan.attributes[name], points).astype(
+            np.float64
+        )
         return Computed(np.where(values < 0, np.nan, values) if shown.numbers else values)
 
     return FieldSpec(name, shown.title, shown.unit, shown.kind, compute, stored=True)
@@ -106,77 +111,8 @@ def formula_field(formula: Formula, scan: Scan) -> FieldSpec:
 def compute_range(evaluation: Evaluation, points: Ints | None) -> Computed:
     """Distance from the scanner, metres."""
     scan = evaluation.subject.state.scan
-    offset = _rows(scan.xyz, points) - scan.scanner("the range")
+    offset = pick_rows(scan.xyz, points) - scan.scanner("the range")
     return Computed(np.sqrt(np.einsum("ij,ij->i", offset, offset)))
-
-
-def compute_incidence(evaluation: Evaluation, points: Ints | None) -> Computed:
-    """Angle between beam and local normal, degrees (Junttila 2016, 2.6.1)."""
-    from app.core.incidence import incidence_angle, local_planes
-
-    state = evaluation.subject.state
-    scanner = state.scan.scanner("the incidence angle")
-    planes = local_planes(
-        state.scan.xyz,
-        scanner,
-        points,
-        state.parameters.radius,
-        state.scan.grid,
-        evaluation.progress,
-    )
-    angles = incidence_angle(_rows(state.scan.xyz, points), planes.normals, scanner)
-    used = planes.width[np.isfinite(angles)]
-    notes = {
-        "neighbours": planes.method,
-        "reason": planes.reason,
-        "radius_m": state.parameters.radius,
-        "median_width_m": float(np.median(used)) if len(used) else None,
-        "widened": int((used > state.parameters.radius * 1.0001).sum()),
-    }
-    return Computed(to_degrees(angles), notes, planes.seconds)
-
-
-def compute_incidence_from_intensity(evaluation: Evaluation, points: Ints | None) -> Computed:
-    """Angle whose intensity on the fitted curve is the point's, degrees; NaN where none is."""
-    from app.core.phase import get_model
-
-    curve = _curve_in_use(evaluation)
-    intensity = evaluation.read(curve.channel, points)
-    angles = get_model(curve.model).inverse(intensity, curve.values, curve.within)
-    return Computed(to_degrees(angles), {"curve": curve.model, "origin": curve.origin})
-
-
-def compute_delta_omega(evaluation: Evaluation, points: Ints | None) -> Computed:
-    """Angle from intensity less the angle of the leaf's plane, degrees (Balduzzi 2011)."""
-    asked = np.arange(evaluation.size) if points is None else points
-    wanted = np.zeros(evaluation.size, bool)
-    wanted[asked] = True
-    angle_of = np.full(evaluation.size, np.nan)
-    for leaf in evaluation.subject.leaves:
-        members = leaf.members.indices
-        if wanted[members].any():
-            angle_of[members] = leaf_incidence(evaluation, members)
-    plane_angle = angle_of[asked]
-    values = np.full(len(asked), np.nan)
-    rows = np.flatnonzero(np.isfinite(plane_angle))
-    if len(rows):
-        found = evaluation.read("incidence_from_intensity", asked[rows])
-        values[rows] = found - plane_angle[rows]
-    return Computed(values, {"leaves": len(evaluation.subject.leaves)})
-
-
-def leaf_incidence(evaluation: Evaluation, members: Ints) -> float:
-    """Incidence angle of a leaf's plane, degrees; NaN when it has no plane."""
-    from app.core.planes import leaf_plane
-
-    state = evaluation.subject.state
-    scanner = state.scan.scanner("the angle of a leaf")
-    living = members[state.alive[members]]
-    try:
-        plane = leaf_plane(state.scan.xyz[living], scanner, state.parameters.plane_gate)
-    except BadInput:
-        return float("nan")  # fewer than three points, or all on a line: no plane, no angle
-    return float(to_degrees(plane.incidence))
 
 
 def compute_ghost_score(evaluation: Evaluation, points: Ints | None) -> Computed:
@@ -189,24 +125,25 @@ def compute_ghost_score(evaluation: Evaluation, points: Ints | None) -> Computed
     # A logarithm of the power says nothing about how much of it is lost.
     linear = [c for c in state.scan.channels if c.kind in ("linear", "reflectance")]
     intensity = state.scan.channel_values(linear[0].name) if linear else None
+    neighbours = neighbours_of(state.scan, evaluation.progress)
     values = ghost_score(
         state.scan.xyz,
         scanner,
         points,
-        state.scan.grid,
+        neighbours.grid,
         incidence=incidence,
         intensity=intensity,
         radius=state.parameters.radius,
         progress=evaluation.progress,
     )
-    return Computed(values)
+    return Computed(values, {"neighbours": neighbours.method})
 
 
 def compute_ghost(evaluation: Evaluation, points: Ints | None) -> Computed:
     """Whether a point counts as a ghost: the user's judgement, else the score (1 or 0)."""
     state = evaluation.subject.state
     score = evaluation.read("ghost_score", points)
-    marks = _rows(state.marks, points)
+    marks = pick_rows(state.marks, points)
     flag = (score >= state.parameters.ghost_threshold) & (marks >= 0) | (marks > 0)
     return Computed(flag.astype(np.float64))
 
@@ -216,54 +153,13 @@ def compute_leaf(evaluation: Evaluation, points: Ints | None) -> Computed:
     values = np.full(evaluation.size, np.nan)
     for leaf in evaluation.subject.leaves:
         values[leaf.members.indices] = int(leaf.key.rpartition("-")[2])
-    return Computed(_rows(values, points))
-
-
-def _curve_in_use(evaluation: Evaluation) -> Curve:
-    curve = evaluation.subject.state.parameters.curve
-    evaluation.subject.state.channel_in_use("the angle from intensity")
-    if curve is None:
-        raise BadInput(
-            "No angular curve is in use, and the angle from intensity needs one.",
-            "Fit a leaf in the phase lab and press 'Use this curve'.",
-        )
-    return curve
-
-
-def _rows(values: Floats, points: Ints | None) -> Floats:
-    return values if points is None else values[points]
+    return Computed(pick_rows(values, points))
 
 
 GEOMETRY = (
     FieldSpec("range", "Range", "m", "scalar", compute_range, needs=("points", "pose")),
-    FieldSpec(
-        "incidence",
-        "Incidence angle",
-        "°",
-        "angle",
-        compute_incidence,
-        parameters=("radius",),
-        needs=("points", "pose"),
-    ),
-    FieldSpec(
-        "incidence_from_intensity",
-        "Angle from intensity",
-        "°",
-        "angle",
-        compute_incidence_from_intensity,
-        parameters=("curve", "channel"),
-        needs=("channels",),
-    ),
-    FieldSpec(
-        "delta_omega",
-        "Δω: intensity − plane",
-        "°",
-        "signed angle",
-        compute_delta_omega,
-        ("incidence_from_intensity",),
-        ("plane_gate",),
-        ("points", "pose", "deleted", "leaves"),
-    ),
+    *ANGLES,
+    *FOOTPRINTS,
     FieldSpec(
         "ghost_score",
         "Ghost score",

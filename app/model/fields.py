@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.core.arrays import Bools, Floats, Ints
+from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.errors import WrongUse
 from app.core.progress import QUIET, Progress
 from app.model.leaf import Leaf
@@ -33,11 +33,16 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Computed:
-    """Values for the points that were asked for, and what is worth telling about them."""
+    """Values for the points that were asked for, and what is worth telling about them.
+
+    `beside` holds what the same work found besides, one value per point under each name;
+    other fields read it with `Evaluation.read_beside`.
+    """
 
     values: Floats
     notes: Mapping[str, object] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
+    beside: Mapping[str, AnyArray] = field(default_factory=dict)
 
 
 Compute = Callable[["Evaluation", "Ints | None"], Computed]
@@ -132,6 +137,7 @@ class Values:
 
     `computed` counts all of them, `fresh` those of the last evaluation. `seconds` holds
     the field's own time under "own", without the fields it reads, and its stages beside it.
+    `beside` holds what was found on the way, in rows like those of `values`.
     """
 
     fingerprint: tuple[Any, ...]
@@ -142,6 +148,7 @@ class Values:
     seconds: dict[str, float] = field(default_factory=dict)
     computed: int = 0
     fresh: int = 0
+    beside: dict[str, AnyArray] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, mark: tuple[Any, ...], size: int) -> Values:
@@ -165,8 +172,11 @@ class Values:
         """Put values in place and count them."""
         if points is None:
             self.values, self.complete = computed.values, True
+            self.beside = dict(computed.beside)
         else:
             self.values[points] = computed.values
+            for name, found in computed.beside.items():
+                self._room_beside(name, found)[points] = found
         self.have[slice(None) if points is None else points] = True
         self.computed += len(computed.values)
         self.fresh += len(computed.values)
@@ -182,12 +192,22 @@ class Values:
             return newer
         if self.complete:
             return self
-        rows = np.flatnonzero(self.have & ~newer.have)
-        newer.values[rows] = self.values[rows]
-        newer.have[rows] = True
-        newer.computed += len(rows)
-        newer.complete = newer.computed == len(newer.values)
+        newer.copy_rows(self, np.flatnonzero(self.have & ~newer.have))
         return newer
+
+    def copy_rows(self, other: Values, rows: Ints) -> None:
+        """Take over what another knows of some points."""
+        self.values[rows] = other.values[rows]
+        for name, found in other.beside.items():
+            self._room_beside(name, found)[rows] = found[rows]
+        self.have[rows] = True
+        self.computed += len(rows)
+        self.complete = self.computed == len(self.values)
+
+    def _room_beside(self, name: str, like: AnyArray) -> AnyArray:
+        if name not in self.beside:
+            self.beside[name] = np.empty(len(self.values), like.dtype)
+        return self.beside[name]
 
     def add_seconds(self, seconds: Mapping[str, float]) -> None:
         """Add run time, stage by stage."""
@@ -228,24 +248,28 @@ class Evaluation:
 
     def read(self, name: str, points: Ints | None = None) -> Floats:
         """Values of a field at the points (None: all), computing what is missing."""
+        return pick_rows(self._values(name, points).values, points)
+
+    def read_beside(self, name: str, what: str, points: Ints | None = None) -> AnyArray:
+        """What the computation of a field found besides, computing what is missing."""
+        return pick_rows(self._values(name, points).beside[what], points)
+
+    def _values(self, name: str, points: Ints | None) -> Values:
         mark = fingerprint(self.catalogue, name, self.subject)
         known = self._known.get(name)
         if known is not None and known.fingerprint == mark and known.covers(points):
-            return _pick(known.values, points)
+            return known
         held = self._result(name, mark)
         if not held.covers(points):
             self._compute(name, held, held.missing(points))
-        return _pick(held.values, points)
+        return held
 
     def _result(self, name: str, mark: tuple[Any, ...]) -> Values:
         if name not in self.results:
             fresh = Values.empty(mark, self.size)
             known = self._known.get(name)
             if known is not None and known.fingerprint == mark and known.computed:
-                rows = np.flatnonzero(known.have)
-                fresh.values[rows] = known.values[rows]
-                fresh.have[rows] = True
-                fresh.computed = known.computed
+                fresh.copy_rows(known, np.flatnonzero(known.have))
                 fresh.notes.update(known.notes)
                 fresh.seconds.update(known.seconds)
             self.results[name] = fresh
@@ -262,5 +286,6 @@ class Evaluation:
         self._inner = outer + elapsed
 
 
-def _pick(values: Floats, points: Ints | None) -> Floats:
+def pick_rows(values: AnyArray, points: Ints | None) -> AnyArray:
+    """The values of some points; None means all of them."""
     return values if points is None else values[points]

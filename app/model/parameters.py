@@ -7,8 +7,9 @@ import math
 import msgspec
 
 from app.core.errors import WrongUse
+from app.core.footprint import check_beam
 from app.core.ghosts import THRESHOLD
-from app.core.incidence import RADIUS
+from app.core.incidence import ESTIMATORS, RADIUS, Estimator
 
 LARGEST_RADIUS = 0.5
 
@@ -35,6 +36,27 @@ class Curve(msgspec.Struct, frozen=True):
     within: tuple[float, float] = (0.0, math.pi / 2)
 
 
+class Beam(msgspec.Struct, frozen=True):
+    """A beam as it leaves the scanner: how large, and how fast it widens.
+
+    Attributes
+    ----------
+    radius : float
+        At the aperture, metres: half of the exit diameter.
+    half_divergence : float
+        Half of the full divergence, radians.
+    origin : str
+        Where it comes from in words, e.g. "instrument ls880" or "typed in".
+    """
+
+    radius: float
+    half_divergence: float
+    origin: str = ""
+
+    def __post_init__(self) -> None:
+        check_beam(self.radius, self.half_divergence)
+
+
 class Formula(msgspec.Struct, frozen=True):
     """A user's own index: a name and the text of a whitelisted formula."""
 
@@ -58,6 +80,10 @@ class Parameters(msgspec.Struct, frozen=True):
     curve : Curve or None
         Angular curve that turns intensity into an angle.
     formulas : tuple of Formula
+    estimator : {'adaptive', 'robust', 'window', 'ball'}
+        How the local plane at a point is found; see `app.core.incidence`.
+    beam : Beam or None
+        Beam of the scanner, for its footprint; None is unknown.
     """
 
     radius: float = RADIUS
@@ -66,8 +92,15 @@ class Parameters(msgspec.Struct, frozen=True):
     channel: str | None = None
     curve: Curve | None = None
     formulas: tuple[Formula, ...] = ()
+    estimator: Estimator = "adaptive"
+    beam: Beam | None = None
 
     def __post_init__(self) -> None:
+        if self.estimator not in ESTIMATORS:
+            raise WrongUse(
+                f"There is no estimator {self.estimator!r}.",
+                f"Estimators: {', '.join(ESTIMATORS)}.",
+            )
         _check_positive("The neighbour radius", self.radius)
         if self.radius > LARGEST_RADIUS:
             raise WrongUse(

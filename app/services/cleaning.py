@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,6 +11,7 @@ import numpy as np
 from app.core.progress import QUIET, Progress
 from app.core.units import group_digits
 from app.formats.atomic import refuse_target
+from app.model.neighbours import neighbours_of
 from app.model.operations import (
     Coordinates,
     MarkGhosts,
@@ -60,7 +62,8 @@ def correct_ghosts(project: Project, scan: str, progress: Progress = QUIET) -> t
     ghosts = find_ghosts(project, scan, progress)
     state = project.state.scan(scan)
     scanner = state.scan.scanner("the correction of ghosts")
-    moved, done = correct(state.scan.xyz, scanner, ghosts.indices, state.scan.grid)
+    grid = neighbours_of(state.scan, progress).grid
+    moved, done = correct(state.scan.xyz, scanner, ghosts.indices, grid)
     corrected = PointSet(ghosts.indices[done])
     steps = (
         MovePoints(scan, corrected, Coordinates(moved[done])),
@@ -78,12 +81,16 @@ def clean_file(
     opening: Opening,
     mode: Mode,
     out: Path,
-    threshold: float | None = None,
-    radius: float | None = None,
+    parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
     progress: Progress = QUIET,
 ) -> dict[str, Any]:
     """Find ghosts in a file and write it marked, without them, or with them corrected.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Attributes of `Parameters` that differ from the defaults.
 
     Returns
     -------
@@ -95,7 +102,7 @@ def clean_file(
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     report: dict[str, Any] = {"points": 0, "ghosts": 0, "mode": mode}
     for key in keys:
-        set_parameters(project, key, ghost_threshold=threshold, radius=radius)
+        set_parameters(project, key, **(parameters or {}))
         _clean_scan(project, key, mode, report, progress.part(0.4, 0.9))
     fields = ("ghost_score", "ghost") if mode == "mark" else ()
     clouds = [gather(project, key, fields) for key in keys]

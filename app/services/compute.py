@@ -15,9 +15,10 @@ from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
 from app.model.operations import SetParameters
 from app.model.project import Project
+from app.services.beams import describe_beam
 from app.services.export import export, gather, merge, refuse_unwritable
 from app.services.opening import Opening, open_file
-from app.services.preparation import MADE_FROM, needs_preparation, prepare
+from app.services.preparation import BEAM_FIELDS, MADE_FROM, needs_preparation, prepare
 
 VERSIONED = ("leafscope", "numpy", "scipy", "numba")
 
@@ -62,9 +63,16 @@ def compute_file(
     report = make_report(project, keys, fields, prepared)
     made = [s for s in project.history.done[opened:] if not isinstance(s, SetParameters)]
     report["warnings"] += [f"Done for you: {step.title}." for step in made]
+    if not BEAM_FIELDS.isdisjoint(fields):
+        report["warnings"] += _tell_beams(project, keys)
     write = time.perf_counter() - start
     report["seconds"] = {"read": read, **report["seconds"], "write": write}
     return report
+
+
+def _tell_beams(project: Project, keys: Sequence[str]) -> list[str]:
+    beams = [project.state.scan(key).parameters.beam for key in keys]
+    return list(dict.fromkeys(f"Beam: {describe_beam(beam)}." for beam in beams if beam))
 
 
 def make_report(

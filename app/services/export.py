@@ -130,7 +130,8 @@ def provenance(project: Project, scan: str) -> dict[str, object]:
         },
         "steps": [operation.title for operation in project.history.done],
         "parameters": {
-            name: getattr(state.parameters, name) for name in ("radius", "ghost_threshold")
+            name: getattr(state.parameters, name)
+            for name in ("radius", "estimator", "ghost_threshold")
         },
     }
 

@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 
 from app.core.arrays import Floats
+from app.core.neighbours.asked import as_points
+from app.core.neighbours.steps import ScanGrid, UnusableGrid, as_cells, measure_steps
 from app.core.progress import QUIET, Progress
+from app.core.units import to_degrees
+from app.model.neighbours import neighbours_of
 from app.model.scan import Scan
 from app.services.opening import Opening, open_file, propose_pose
 
@@ -82,13 +86,32 @@ def _unique(values: Any) -> list[Any]:
 def describe_opened(opening: Opening, progress: Progress = QUIET) -> dict[str, Any]:
     """Describe a file as a command opens it: with the given position and channel names.
 
-    A gridded scan without pose gets a note about the position that its grid speaks for.
+    Says besides how neighbours would be found, scan by scan. A gridded scan without pose
+    gets a note about the position that its grid speaks for.
     """
-    project, keys = open_file(opening, progress)
+    project, keys = open_file(opening, progress.part(0.0, 0.6))
     scans = [project.state.scan(key).scan for key in keys]
     found = describe_scans(scans)
+    found["neighbours"] = [_describe_neighbours(scan, progress.part(0.6, 1.0)) for scan in scans]
     found["warnings"] += [note for scan in scans if (note := _propose(scan))]
     return found
+
+
+def _describe_neighbours(scan: Scan, progress: Progress) -> dict[str, Any]:
+    """How neighbours would be found; the steps (down, across) where there are rows and columns."""
+    chosen = neighbours_of(scan, progress)
+    method, reason, step = chosen.method, chosen.reason, None
+    if chosen.grid is not None and scan.pose is not None:
+        try:
+            step = _measure_step(scan, chosen.grid)
+        except UnusableGrid as refusal:
+            method, reason = "voxel hash", str(refusal)
+    return {"scan": scan.name, "method": method, "reason": reason, "step_deg": step}
+
+
+def _measure_step(scan: Scan, grid: ScanGrid) -> list[float]:
+    steps = measure_steps(as_points(scan.xyz), scan.scanner("its steps"), as_cells(grid))
+    return [float(to_degrees(np.median(angles))) for angles in (steps.down, steps.across)]
 
 
 def _propose(scan: Scan) -> str:

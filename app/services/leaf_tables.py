@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from app.core.errors import BadInput
 from app.core.progress import QUIET, Progress
@@ -21,7 +23,7 @@ def tabulate_leaves(
     opening: Opening,
     out: Path,
     label_field: str | None = None,
-    radius: float | None = None,
+    parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
     progress: Progress = QUIET,
 ) -> list[Row]:
@@ -32,6 +34,8 @@ def tabulate_leaves(
     label_field : str or None
         Field whose whole numbers from 0 on name the leaves; None finds them by
         connectivity.
+    parameters : mapping
+        Attributes of `Parameters` that differ from the defaults.
 
     Raises
     ------
@@ -42,7 +46,7 @@ def tabulate_leaves(
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     rows: list[Row] = []
     for key in keys:
-        set_parameters(project, key, radius=radius)
+        set_parameters(project, key, **(parameters or {}))
         if label_field is None:
             find_leaves(project, key, progress.part(0.4, 0.7))
         else:

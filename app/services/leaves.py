@@ -16,6 +16,7 @@ from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
 from app.formats.atomic import atomic_path
 from app.model.leaf import Leaf, join_members
+from app.model.neighbours import neighbours_of
 from app.model.operations import PutLeaf, Several
 from app.model.points import PointSet
 from app.model.project import Project
@@ -36,9 +37,8 @@ def find_leaves(project: Project, scan: str, progress: Progress = QUIET) -> list
     left_out = state.deleted
     if scanner is not None:
         left_out = left_out | (project.field(scan, "ghost", None, progress) == 1.0)
-    labels = segment_leaves(
-        state.scan.xyz, scanner, state.scan.grid, ghosts=left_out, progress=progress
-    )
+    grid = neighbours_of(state.scan, progress).grid
+    labels = segment_leaves(state.scan.xyz, scanner, grid, ghosts=left_out, progress=progress)
     _leave_known_leaves(labels, [leaf.members.indices for leaf in project.state.leaves_of(scan)])
     return _put_leaves(project, scan, labels.astype(np.float64), None)
 

@@ -1,4 +1,4 @@
-"""What fields need beside the points when nobody is there to ask: leaves and a curve."""
+"""What fields need beside the points when nobody is there to ask: leaves, a curve, a beam."""
 
 from __future__ import annotations
 
@@ -14,13 +14,17 @@ from app.formats.cloud import take_points
 from app.model.fields import find_spec
 from app.model.operations import AddScan
 from app.model.project import Project
+from app.services.beams import propose_beam
 from app.services.curves import DEFAULT_MODEL, fit_leaves, use_fit
 from app.services.leaves import find_leaves
 from app.services.opening import set_parameters
 
 WARM_UP_POINTS = 64
 CURVE_FIELDS = frozenset({"incidence_from_intensity", "delta_omega"})
-LEAF_FIELDS = frozenset({"leaf"}) | CURVE_FIELDS
+NOTHING_ELSE = frozenset({"leaf", "footprint_share"})
+"""Fields that without a leaf have no value anywhere."""
+LEAF_FIELDS = NOTHING_ELSE | CURVE_FIELDS
+BEAM_FIELDS = frozenset({"footprint", "footprint_share"})
 # What leaves and the curve are made from, beside what the field itself reads.
 MADE_FROM = ("ghost",)
 
@@ -32,7 +36,7 @@ def prepare(
     parameters: Mapping[str, Any],
     progress: Progress = QUIET,
 ) -> float:
-    """Set parameters, compile what will run, find leaves and fit the curve that are missing.
+    """Set parameters, compile what will run, find leaves, curve and beam that are missing.
 
     Returns
     -------
@@ -42,7 +46,7 @@ def prepare(
     set_parameters(project, scan, **parameters)
     for name in fields:
         find_spec(project.catalogue(scan), name)
-    warm_up(project, scan, fields)
+    warm_up(project, scan, fields, progress)
     start, before = time.perf_counter(), _seconds_of_fields(project, scan)
     _find_what_is_missing(project, scan, fields, progress)
     within = _seconds_of_fields(project, scan) - before
@@ -54,7 +58,7 @@ def needs_preparation(field: str) -> bool:
     return field in LEAF_FIELDS
 
 
-def warm_up(project: Project, scan: str, fields: Sequence[str]) -> None:
+def warm_up(project: Project, scan: str, fields: Sequence[str], progress: Progress = QUIET) -> None:
     """Compile the kernels that fields will run, on a handful of points, outside any timing."""
     state = project.state.scan(scan)
     few = take_points(state.scan, np.flatnonzero(state.scan.valid)[:WARM_UP_POINTS])
@@ -62,6 +66,7 @@ def warm_up(project: Project, scan: str, fields: Sequence[str]) -> None:
     key = trial.shelve(few)
     trial.do(AddScan(key, few.name, None))
     for name in fields:
+        progress.report(0.0, "getting ready")
         try:
             _find_what_is_missing(trial, key, (name,), QUIET)
             trial.field(key, name)
@@ -71,12 +76,31 @@ def warm_up(project: Project, scan: str, fields: Sequence[str]) -> None:
         from app.core.ghosts import warm_up as warm_up_ghosts
 
         warm_up_ghosts()  # among a few points there may be no doubt, and a kernel stays cold
+    if state.scan.grid is None and state.scan.pose is not None:
+        _warm_up_recovery(progress)  # a few points have no rows and columns
+
+
+def _warm_up_recovery(progress: Progress) -> None:
+    from app.core.incidence import WAYS, warm_up
+    from app.core.neighbours.choice import choose_neighbours
+
+    for way in WAYS:
+        progress.report(0.0, "getting ready")
+        warm_up(way)
+
+    rise, turn = (a.ravel() for a in np.mgrid[0:0.1:64j, 0:0.1:64j])
+    flat = np.cos(rise)
+    beams = np.stack([flat * np.cos(turn), flat * np.sin(turn), np.sin(rise)], axis=1)
+    choose_neighbours(beams, np.zeros(3), None)
 
 
 def _find_what_is_missing(
     project: Project, scan: str, fields: Sequence[str], progress: Progress
 ) -> None:
-    curve = CURVE_FIELDS.intersection(fields) and not project.state.scan(scan).parameters.curve
+    state = project.state.scan(scan)
+    if BEAM_FIELDS.intersection(fields) and state.parameters.beam is None:
+        set_parameters(project, scan, beam=propose_beam(state.scan))
+    curve = CURVE_FIELDS.intersection(fields) and not state.parameters.curve
     leaves = project.state.leaves_of(scan)
     if not leaves and (curve or LEAF_FIELDS.intersection(fields)):
         find_leaves(project, scan, progress)
@@ -85,7 +109,7 @@ def _find_what_is_missing(
         # One curve through all leaves; without leaves, through the means of the whole scan.
         keys = tuple(leaf.key for leaf in leaves)
         use_fit(project, fit_leaves(project, scan, keys, DEFAULT_MODEL, None, progress))
-    elif "leaf" in fields and not leaves:
+    elif NOTHING_ELSE.intersection(fields) and not leaves:
         raise BadInput(
             f"No leaf was found in {project.state.scan(scan).scan.name}.",
             "Label its points and use leaves --label-field, or lasso leaves in the window.",

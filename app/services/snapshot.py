@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from app.core.errors import MissingScanner, WrongUse
 from app.core.progress import QUIET, Progress
@@ -25,11 +26,16 @@ def snapshot_file(
     size: tuple[int, int] = (1280, 800),
     theme: Theme = "light",
     limits: tuple[float, float] | None = None,
-    radius: float | None = None,
+    parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
     progress: Progress = QUIET,
 ) -> None:
     """Make a PNG of a file, seen from its scanner where that is known.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Attributes of `Parameters` that differ from the defaults.
 
     Raises
     ------
@@ -43,7 +49,7 @@ def snapshot_file(
     refuse_target(out, overwrite)
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     for key in keys:
-        prepare(project, key, (colour,), {"radius": radius}, progress)
+        prepare(project, key, (colour,), parameters or {}, progress)
         project.field(key, colour, None, progress.part(0.4, 0.8))
     ranges = {colour: ColourRange(*limits)} if limits else {}
     view = ViewState(current=keys[0] if keys else None, colour=colour, ranges=ranges)

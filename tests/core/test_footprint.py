@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.core.errors import WrongUse
-from app.core.footprint import footprint_axis
+from app.core.footprint import footprint_axis, leaf_diameter
 
 LS880 = {"beam_radius": 0.0015, "half_divergence": np.deg2rad(0.014)}
 
@@ -54,3 +54,30 @@ def test_grazing_missing_and_wrong():
     assert np.isfinite(values[2])
     with pytest.raises(WrongUse):
         footprint_axis(2.0, 0.0, -1.0, 0.0)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.7, np.pi / 2])
+def test_a_disc_has_its_own_diameter(tilt):
+    chance = np.random.default_rng(1)
+    turn = chance.uniform(0.0, 2 * np.pi, 4000)
+    far = 0.02 * np.sqrt(chance.uniform(0.0, 1.0, 4000))
+    u, v = far * np.cos(turn), far * np.sin(turn)
+    xyz = np.stack([u * np.cos(tilt), v, u * np.sin(tilt)], axis=1) + np.array([5.0, -3.0, 100.0])
+    xyz[7] = np.nan
+    normal = np.array([-np.sin(tilt), 0.0, np.cos(tilt)])
+    assert leaf_diameter(xyz, normal) == pytest.approx(0.04, rel=0.01)
+
+
+def test_a_rectangle_has_that_of_the_circle_with_its_area():
+    u, v = (a.ravel() for a in np.mgrid[0:0.03:31j, 0:0.01:11j])
+    xyz = np.stack([u, v, np.zeros(len(u))], axis=1)
+    assert leaf_diameter(xyz, np.array([0.0, 0.0, 1.0])) == pytest.approx(
+        2 * np.sqrt(0.03 * 0.01 / np.pi), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("points", [0, 2, 9])
+def test_what_spans_no_area_has_no_diameter(points):
+    along = np.linspace(0.0, 0.1, points)
+    xyz = np.stack([along, along, np.zeros(points)], axis=1)
+    assert np.isnan(leaf_diameter(xyz, np.array([0.0, 0.0, 1.0])))

@@ -111,7 +111,8 @@ def test_pick_is_the_nearest_point_that_is_seen(
     got = pick(px, depth, mask, (x, y), radius, splat=1)
     distance = np.hypot(px[:, 0] - x, px[:, 1] - y)
     if got < 0:
-        assert not (mask & (distance <= radius)).any()
+        # Positions are single precision: on the very rim either answer is right.
+        assert not (mask & (distance <= radius * (1 - 1e-6))).any()
         return
     assert mask[got]
     assert distance[got] <= radius

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -96,3 +98,14 @@ def test_leaves_that_are_known_are_not_found_again(leaves: Scan) -> None:
     assert len(again) == len(everything) - 1
     others = [project.state.leaves[k].members for k in again]
     assert all(len(members & made.members) == 0 for members in others)
+
+
+def test_without_rows_and_columns_the_same_leaves_are_found(leaves: Scan) -> None:
+    found = []
+    for scan in (leaves, replace(leaves, grid=None)):
+        project = open_scan(scan)
+        keys = find_leaves(project, KEY)
+        found.append([project.state.leaves[key].members.indices for key in keys])
+    assert len(found[0]) == len(found[1]) >= 5
+    for one, other in zip(*found, strict=True):
+        assert len(np.setxor1d(one, other)) < 0.02 * len(one)

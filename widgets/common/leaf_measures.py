@@ -98,5 +98,6 @@ def _mark(leaf: Leaf, state: ScanState) -> Hashable:
         state.scan.channels,
         Same(state.deleted),
         parameters.radius,
+        parameters.estimator,
         parameters.plane_gate,
     )

@@ -9,7 +9,8 @@ from PySide6.QtCore import QCoreApplication
 from app.core.phase import MODELS
 from app.core.units import to_mm
 from app.model.operations import AnyOperation, SetParameters, describe_parameters
-from app.model.parameters import Curve, Parameters
+from app.model.parameters import Beam, Curve, Parameters
+from app.services.beams import describe_beam
 
 
 def title_steps(steps: Iterable[AnyOperation]) -> list[str]:
@@ -47,6 +48,11 @@ def _title(name: str, value: object) -> str:
             return _tr("Set plane gate to {value} mm").format(value=f"{to_mm(value):g}")
         case "channel", _:
             return _tr("Use channel {value}").format(value=value or _tr("first"))
+        case "estimator", _:
+            return _tr("Find angles by estimator {value}").format(value=value)
+        case "beam", _:
+            beam = describe_beam(value) if isinstance(value, Beam) else _tr("unknown")
+            return _tr("Set beam: {value}").format(value=beam)
         case "formulas", _:
             return _tr("Set formulas")
         case _:
