@@ -100,14 +100,16 @@ def _choose_rest(load: Load, field: Field) -> list[Rival]:
 
 
 def _choose_usual(load: Load, field: Field) -> list[Rival]:
-    """Peers of which one noise tells enough."""
+    """Peers of which one noise tells enough; on large scans only those that take no minutes."""
     chosen: list[Rival] = []
+    if program := field.find(CLOUDCOMPARE):
+        chosen.append(cloudcompare_rival(load, field.radius, program))
+    if len(load.xyz) >= LARGE:
+        return chosen
     if field.find(OPEN3D):
         most = count_neighbours(load, field.radius)
         for search in ("knn", "hybrid"):
             chosen.append(open3d_rival(load, field.radius, search, most))
-    if program := field.find(CLOUDCOMPARE):
-        chosen.append(cloudcompare_rival(load, field.radius, program))
     if field.find(SCIPY):
         chosen.append(scipy_rival(load, field.radius))
     return chosen

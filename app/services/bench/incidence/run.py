@@ -107,7 +107,7 @@ def _list_scenes(quick: bool, truth: Path | None) -> Iterator[Making]:
     step = scenes.QUICK_STEP if quick else scenes.OWN_STEP
     yield partial(scenes.make_hard, step, scenes.HARD), (USUAL,) if quick else NOISES
     if not quick:
-        yield partial(scenes.make_hard, scenes.FINE_STEP, scenes.FINE), NOISES
+        yield partial(scenes.make_hard, scenes.FINE_STEP, scenes.FINE), (USUAL,)
     if truth is not None:
         for name in scenes.OTHERS:
             yield partial(scenes.read_other, truth, name), (GIVEN,)
