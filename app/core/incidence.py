@@ -45,13 +45,17 @@ class LocalPlanes:
         Points in the window or ball, the point itself included.
     width : (k,) float32, metres
         Half-width of the window, or radius of the ball, that was used; 0 where there is none.
+        A window reaches 18 cells to either side at most.
     rms : (k,) float32, metres
         Root mean square distance of these points from the plane.
     sigma : (k,) float32, radians
         Standard error of the angle of incidence, from the residuals, the geometry and the
-        bend of the surface around.
+        bend of the surface around; of balls without the bend, so that it is rather too small.
+        NaN where it cannot be told.
     estimator : {'adaptive', 'robust', 'window', 'ball'}
         What was used.
+    balls : int
+        Points that a ball was fitted to, all or those that no window could be laid around.
     method : {'scan grid', 'voxel hash'}
     reason : str
         Why this method was taken.
@@ -65,6 +69,7 @@ class LocalPlanes:
     rms: AnyArray
     sigma: AnyArray
     estimator: Estimator
+    balls: int
     method: str
     reason: str
     seconds: dict[str, float]
@@ -111,7 +116,7 @@ def local_planes(
 
     The estimators 'adaptive', 'robust' and 'window' need the scan grid, and that its rows and
     columns follow the beams; without it all is done by 'ball'. So it is for points that share
-    a cell with a nearer one, and near a pole.
+    a cell with a nearer one, near a pole, and where the step from row to row changes.
 
     Parameters
     ----------
@@ -147,15 +152,15 @@ def local_planes(
         else:
             return LocalPlanes(
                 found.normals[where], found.count[where], found.width[where], found.rms[where],
-                found.sigma[where], estimator, "scan grid", "rows and columns are known",
-                found.seconds,
+                found.sigma[where], estimator, len(found.left), "scan grid",
+                "rows and columns are known", found.seconds,
             )  # fmt: skip
     warm_up("voxels" if grid is None else "cells")
     balls = fit_balls(xyz, scanner, grid, asked, radius, progress)
     return LocalPlanes(
         balls.normals[where], balls.count[where], balls.width[where], balls.rms[where],
-        _error_of_balls(balls)[where], "ball", balls.method, refusal or balls.reason,
-        balls.seconds,
+        _error_of_balls(balls)[where], "ball", len(balls.count), balls.method,
+        refusal or balls.reason, balls.seconds,
     )  # fmt: skip
 
 
@@ -200,6 +205,7 @@ def _error_of_balls(balls: BallPlanes) -> AnyArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = 0.5 * balls.width * np.sqrt(np.maximum(balls.count - 3, 1))
         sigma: AnyArray = (balls.rms / spread).astype(np.float32)
+    sigma[balls.count <= 3] = np.nan  # three points fit any plane, and tell no noise
     return sigma
 
 

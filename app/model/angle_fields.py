@@ -15,6 +15,8 @@ from app.model.fields import Computed, Evaluation, FieldSpec, pick_rows
 from app.model.neighbours import neighbours_of
 from app.model.parameters import Curve, Parameters
 
+WIDENED = 1.25
+"""Radii from which on a window is a wider one, and not one rounded to whole cells."""
 LOOKING = 0.3
 """Share of the progress that is given to finding rows and columns."""
 
@@ -55,6 +57,7 @@ def _tell_neighbours(
         "neighbours": planes.method if voxels else neighbours.method,
         "reason": planes.reason if refused else neighbours.reason,
         "estimator": planes.estimator,
+        "by_balls": planes.balls,
         "radius_m": parameters.radius,
     }
 
@@ -64,7 +67,7 @@ def _tell_sizes(planes: LocalPlanes, found: Bools, radius: float) -> dict[str, o
     sigma = sigma[np.isfinite(sigma)]
     return {
         "median_width_m": float(np.median(width)) if len(width) else None,
-        "widened": int((width > radius * 1.0001).sum()),
+        "widened": int((width > radius * WIDENED).sum()),
         "median_sigma_deg": float(to_degrees(np.median(sigma))) if len(sigma) else None,
     }
 
@@ -78,7 +81,8 @@ def compute_incidence_sigma(evaluation: Evaluation, points: Ints | None) -> Comp
 def compute_incidence_width(evaluation: Evaluation, points: Ints | None) -> Computed:
     """Half-width of the window (or radius of the ball) of each plane, mm; NaN without one."""
     width = evaluation.read_beside("incidence", "width", points).astype(np.float64)
-    return Computed(to_mm(np.where(width > 0.0, width, np.nan)))
+    found = np.isfinite(evaluation.read("incidence", points)) & (width > 0.0)
+    return Computed(to_mm(np.where(found, width, np.nan)))
 
 
 def compute_incidence_from_intensity(evaluation: Evaluation, points: Ints | None) -> Computed:

@@ -115,8 +115,19 @@ def _report_scan(project: Project, key: str, fields: Sequence[str], report: dict
             held[part] = held.get(part, 0.0) + seconds
     for name, count in project.cache.computed(key).items():
         report["computed"][name] = report["computed"].get(name, 0) + count
-        report["notes"].setdefault(name, {}).update(known[name].notes if name in known else {})
+        _add_notes(report["notes"].setdefault(name, {}), known[name].notes if name in known else {})
     report["warnings"] += [w for w in state.scan.warnings if w not in report["warnings"]]
+
+
+def _add_notes(held: dict[str, Any], notes: Mapping[str, Any]) -> None:
+    """Add the notes of one more scan; where scans differ, a note becomes a list of all."""
+    for name, note in notes.items():
+        if name not in held:
+            held[name] = note
+        elif isinstance(held[name], list):
+            held[name] = [*held[name], note]
+        elif held[name] != note:
+            held[name] = [held[name], note]
 
 
 def seconds_of(project: Project, scan: str, field: str) -> dict[str, float]:

@@ -8,7 +8,9 @@ import numpy as np
 
 from app.core.arrays import Floats
 from app.core.neighbours.asked import as_points
-from app.core.neighbours.steps import ScanGrid, UnusableGrid, as_cells, measure_steps
+from app.core.neighbours.range_image import build_image
+from app.core.neighbours.steps import ScanGrid, UnusableGrid, as_cells
+from app.core.normals.image import mark_tiles
 from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
 from app.model.neighbours import neighbours_of
@@ -110,8 +112,12 @@ def _describe_neighbours(scan: Scan, progress: Progress) -> dict[str, Any]:
 
 
 def _measure_step(scan: Scan, grid: ScanGrid) -> list[float]:
-    steps = measure_steps(as_points(scan.xyz), scan.scanner("its steps"), as_cells(grid))
-    return [float(to_degrees(np.median(angles))) for angles in (steps.down, steps.across)]
+    """The same test that angles make, so that it is refused here where it is refused there."""
+    cells = as_cells(grid)
+    tiles = mark_tiles(cells, np.empty(0, np.int64))[1]
+    beams = build_image(as_points(scan.xyz), scan.scanner("its steps"), cells, tiles).beams
+    steps = np.median(np.abs(beams.down)), np.median(np.abs(beams.turn)) * np.median(beams.level)
+    return [float(to_degrees(step)) for step in steps]
 
 
 def _propose(scan: Scan) -> str:

@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from app.core.kernels import INNER
-from app.core.kernels.tiles import HALO
 from app.core.kernels.windows import fit_rectangle, half_cells
+from app.core.normals.rules import HALO
 
 BLOCK = 16
 """Cells of a side over which bends are averaged (with the blocks around it)."""
@@ -22,8 +22,9 @@ MOST_HALF = (HALO - 1) // 3
 """Cells to either side, so that three windows fit into the halo."""
 FEWEST = 3
 """Measurements that a mean needs."""
-USUAL = 5.0
-"""1 / metres: curvature where none can be measured, that of a leaf bent with a radius of 20 cm."""
+USUAL = 0.02
+"""Radians of bend within a radius, where none can be measured: at 4 mm that of a leaf bent with
+a radius of 20 cm."""
 
 
 class Bends(NamedTuple):
@@ -58,7 +59,7 @@ def measure_bends(image, tile, base, place, width, bends):  # type: ignore[no-un
             high, wide = min(high, MOST_HALF), min(wide, MOST_HALF)
             compare(tile, base, i, j, high, wide, down[r], side, True, bends)
             compare(tile, base, i, j, high, wide, down[r], side, False, bends)
-    average_bends(bends, base)
+    average_bends(bends, width * base)
 
 
 @njit(**INNER)
@@ -89,12 +90,11 @@ def compare(tile, base, i, j, high, wide, down, side, upright, bends):  # type: 
 
 
 @njit(**INNER)
-def average_bends(bends, base):  # type: ignore[no-untyped-def]
+def average_bends(bends, reach):  # type: ignore[no-untyped-def]
     """Means over each block and those around it; the usual bend where there is too little."""
     sums, means = bends.sums, bends.means
     n = sums.shape[0]
-    # An angle seen from the scanner is a length on the leaf of the range times as much.
-    usual = (USUAL / base) ** 2 if base > 0.0 else 0.0
+    usual = (USUAL / reach) ** 2 if reach > 0.0 else 0.0
     for y in range(n):
         for x in range(n):
             first = second = count = 0.0

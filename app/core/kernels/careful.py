@@ -10,8 +10,9 @@ import numpy as np
 from numba import njit
 
 from app.core.kernels import INNER, SAFE
-from app.core.kernels.tiles import HALO, gate
+from app.core.kernels.tiles import gate
 from app.core.kernels.windows import NOTHING, half_cells
+from app.core.normals.rules import HALO
 
 MOST = (2 * HALO + 1) ** 2
 COARSE = 8

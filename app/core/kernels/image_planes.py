@@ -9,8 +9,9 @@ from numba import njit
 from app.core.kernels import INNER
 from app.core.kernels.bends import make_bends, mean_bends, measure_bends
 from app.core.kernels.careful import fit_careful, make_room
-from app.core.kernels.tiles import HALO, load_tile, make_tile
-from app.core.kernels.windows import REACH, fit_beside, fit_undisturbed
+from app.core.kernels.tiles import load_tile, make_tile
+from app.core.kernels.windows import fit_beside, fit_undisturbed
+from app.core.normals.rules import HALO, REACH
 
 FLATTENED = 0.035
 """Of the change of the change of slope from window to window, what a window of that size does not
@@ -78,7 +79,8 @@ def store(image, found, slot, p, down, turn, base, width, bend, twist, fit):  # 
     variance *= 1.0 + 2.0 / max(count - 3, 1)
     variance += EDGES * w * w * bend * (off_i * off_i * down * down + off_j * off_j * side * side)
     variance += w * w * twist * (FLATTENED * (reach / width) ** 2) ** 2
-    found.sigma[slot] = math.sqrt(max(variance, 0.0)) * w / (long * long)
+    sigma = math.sqrt(max(variance, 0.0)) * w / (long * long)
+    found.sigma[slot] = sigma if sigma < 0.5 * math.pi else math.nan  # then it tells nothing
     found.count[slot] = count
     found.width[slot] = reach
     # Distance from the plane: the residual of the range, seen at the angle of incidence.
@@ -98,6 +100,15 @@ def is_uneven(image, r, c, w, rules):  # type: ignore[no-untyped-def]
         image.uneven_row[r] or image.uneven_column[c]
         or fan > FAN * level or REACH * turn * level < NARROW * abs(down)
     )  # fmt: skip
+
+
+@njit(**INNER, forceinline=True)
+def is_bent(bend, w, down, side, rules):  # type: ignore[no-untyped-def]
+    """Whether the bend turns a half window from its middle to the cell more than noise does."""
+    reach = rules.beside * w
+    cells = 2.0 * reach * reach / abs(down * side)
+    noise = 12.0 * (rules.noise * w) ** 2
+    return bend * (0.5 * reach) ** 2 * cells * reach * reach > rules.bent * noise
 
 
 @njit(**INNER)
@@ -140,7 +151,7 @@ def fit_calm_cells(image, tile, base, place, slot, rules, found, bends, rest):  
             calm = twist <= rules.wrinkled
             most = rules.widths.size if calm else 1
             fit = fit_undisturbed(tile, base, i, j, down[r], side, most, rules)
-            if calm and fit[0] == 0:
+            if calm and fit[0] == 0 and not is_bent(bend, own, down[r], side, rules):
                 fit = fit_beside(tile, base, i, j, down[r], side, rules)
             if fit[0] > 0:
                 store(image, found, k, p, down[r], turn[c], base, rules.widths[0], bend, twist, fit)
@@ -154,15 +165,18 @@ def fit_calm_cells(image, tile, base, place, slot, rules, found, bends, rest):  
 def fit_other_cells(image, tile, base, place, slot, rules, found, bends, rest, left, room):  # type: ignore[no-untyped-def]
     """Robust planes of the first `left` cells in `rest`."""
     number, down, turn, level = image.number, image.down, image.turn, image.level
-    side = tile.w.shape[0]
+    w = tile.w
+    size = w.shape[0]
     for k in range(left):
-        i, j = rest[k] // side, rest[k] % side
+        i, j = rest[k] // size, rest[k] % size
         r, c = place[0] - HALO + i, place[1] - HALO + j
         p = number[r, c] - 1
         s = slot[r, c] - 1 if slot.size else p
         bend, twist = mean_bends(bends, i, j)
-        width = rules.careful if twist <= rules.wrinkled else rules.widths[0]
-        fit = fit_careful(tile, base, i, j, down[r], turn[c] * level[r], rules, width, room)
+        side = turn[c] * level[r]
+        narrow = twist > rules.wrinkled or is_bent(bend, w[i, j] + base, down[r], side, rules)
+        width = rules.widths[0] if narrow else rules.careful
+        fit = fit_careful(tile, base, i, j, down[r], side, rules, width, room)
         if fit[0] > 0:
             store(image, found, s, p, down[r], turn[c], base, rules.widths[0], bend, twist, fit)
         else:

@@ -9,9 +9,7 @@ import numpy as np
 from numba import njit
 
 from app.core.kernels import INNER
-
-HALO = 24
-"""Cells around a tile; a window reaches no farther to either side."""
+from app.core.normals.rules import HALO
 
 
 class Image(NamedTuple):

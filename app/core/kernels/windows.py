@@ -10,13 +10,12 @@ import numpy as np
 from numba import njit
 
 from app.core.kernels import INNER
-from app.core.kernels.tiles import HALO, gate
+from app.core.kernels.tiles import gate
+from app.core.normals.rules import HALO, REACH
 
 UPS = np.array([1, -1, 0, 0, 1, 1, -1, -1])
 SIDES = np.array([0, 0, 1, -1, 1, -1, 1, -1])
 """Above, below, left and right of a cell, then the quarters."""
-REACH = HALO - 6
-"""Cells that a window may reach to either side; one beside a cell reaches farther."""
 PARTS = np.array([0.0] + [3.0 / (h * (h + 1)) for h in range(1, HALO + 1)])
 """Three over h (h + 1): with 1 / n it is one over the spread of h cells on either side."""
 NOISE = 2.0

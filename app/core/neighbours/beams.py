@@ -13,6 +13,7 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.neighbours.steps import Cells, UnusableGrid
+from app.core.normals.rules import REACH
 
 SAMPLES = 8_000
 """Points that directions are learnt from."""
@@ -25,8 +26,6 @@ STRAY = 0.3
 """Share of a step that neighbouring beams may stray from it (upper quartile)."""
 CHANGE = 0.2
 """Share by which a step may change from some lines to the next."""
-WITHIN = 18
-"""Lines that a window may reach to either side."""
 SEAM = 0.25
 """Share of a step by which the last column may miss its place beside the first."""
 
@@ -147,7 +146,7 @@ def _find_changes(angles: Floats) -> Bools:
     before, after = step[:-apart], step[apart:]
     changes = np.abs(after - before) > CHANGE * np.minimum(np.abs(before), np.abs(after))
     for line in np.flatnonzero(changes) + apart:
-        uneven[max(line - WITHIN, 0) : line + WITHIN + 1] = True
+        uneven[max(line - REACH, 0) : line + REACH + 1] = True
     return uneven
 
 

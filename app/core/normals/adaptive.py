@@ -24,6 +24,7 @@ EDGE = 1.5
 """Width of windows at edges, in radii: half of their cells are missing."""
 AWAY = 3
 CALM_BESIDE = 2.0
+BENT = 2.0
 WRINKLED = 0.03
 """Slopes are relative to the range: its root is 10°."""
 PASSES = 3
@@ -37,7 +38,7 @@ def make_rules(radius: float, noise: float) -> Rules:
     """
     return Rules(
         widths=radius * np.array(WIDTHS), agree=AGREE, beside=radius * EDGE, away=AWAY,
-        careful=radius * EDGE, noise=noise, slope=SLOPE, jump=JUMP, wrinkled=WRINKLED,
+        careful=radius * EDGE, noise=noise, slope=SLOPE, jump=JUMP, wrinkled=WRINKLED, bent=BENT,
         calm_beside=CALM_BESIDE, calm=CALM, cut=CUT, least_cut=LEAST_CUT, passes=PASSES,
         least=LEAST, widest=radius * LARGEST,
     )  # fmt: skip

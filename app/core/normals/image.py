@@ -12,11 +12,8 @@ from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.chunks import run_in_pieces
 from app.core.neighbours.range_image import TILE, RangeImage, build_image
 from app.core.neighbours.steps import Cells
-from app.core.normals.rules import Rules
+from app.core.normals.rules import HALO, Rules
 from app.core.progress import QUIET, Progress
-
-HALO = 24
-"""Cells around a tile that its windows may touch, as `app.core.kernels.tiles` has it."""
 
 MakeRules = Callable[[float, float], Rules]
 
@@ -126,6 +123,7 @@ def _add_halo(wanted: Bools, cells: Cells) -> Bools:
     marks[:, 0] |= ends[:, 1]
     if cells.columns % TILE < HALO and marks.shape[1] > 1:  # the last tile is narrow
         marks[:, -2] |= ends[:, 0]
+        marks[:, 0] |= tall[:, -2]
     return marks
 
 

@@ -7,6 +7,10 @@ from typing import NamedTuple
 
 from app.core.arrays import Floats
 
+HALO = 24
+"""Cells around a tile; a window reaches no farther to either side."""
+REACH = HALO - 6
+"""Cells that a window may reach to either side; one beside a cell reaches farther."""
 SLOPE = math.tan(math.radians(80.0))
 """Steeper surfaces look like a jump from cell to cell."""
 JUMP = 5.0
@@ -39,6 +43,9 @@ class Rules(NamedTuple):
     wrinkled : float
         Squared change of the change of slope, from window to window side by side, from which
         on the surface is wrinkled: windows then have the least width, and none lies beside.
+    bent : float
+        Variances by noise that the bend of the surface may add to a window that lies half
+        beside: beyond, windows at edges have the least width, and none lies beside.
     calm_beside, calm : float
         Noise variances up to which a residual is noise alone, beside a jump and over one.
     cut, least_cut : float
@@ -60,6 +67,7 @@ class Rules(NamedTuple):
     slope: float
     jump: float
     wrinkled: float
+    bent: float
     calm_beside: float
     calm: float
     cut: float

@@ -18,6 +18,6 @@ def make_rules(radius: float, noise: float) -> Rules:
     """Rules of the windows for a radius and a noise of the range, metres."""
     return Rules(
         widths=radius * np.ones(1), agree=np.inf, beside=radius, away=0, careful=radius,
-        noise=noise, slope=SLOPE, jump=JUMP, wrinkled=np.inf, calm_beside=np.inf,
+        noise=noise, slope=SLOPE, jump=JUMP, wrinkled=np.inf, bent=np.inf, calm_beside=np.inf,
         calm=np.inf, cut=np.inf, least_cut=np.inf, passes=0, least=LEAST, widest=radius * LARGEST,
     )  # fmt: skip

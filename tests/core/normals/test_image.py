@@ -236,6 +236,43 @@ def test_only_what_is_asked_and_the_same_for_it():
     assert np.allclose(part.sigma, whole.sigma[asked], rtol=0.02)
 
 
+@pytest.mark.parametrize("columns", [128 * 3 + 3, 128 * 2 + 22, 128 * 2, 70])
+@pytest.mark.parametrize("estimator", ON_IMAGE)
+def test_over_the_seam_too_results_are_the_same_whatever_is_asked(estimator, columns):
+    beams, grid = beams_of(40, columns, 3e-3, 2 * np.pi / columns)
+    noise = np.random.default_rng(0).normal(0, 1e-3, len(beams))
+    xyz = beams * (1.0 / np.hypot(beams[:, 0], beams[:, 1]) + noise)[:, None]
+    whole = local_planes(xyz, ORIGIN, radius=0.1, grid=grid, estimator=estimator)
+    for first in (0, 90, columns - 30, columns - 2):
+        asked = np.flatnonzero((grid.column >= first) & (grid.column < first + 12))
+        part = local_planes(xyz, ORIGIN, asked, 0.1, grid, estimator=estimator)
+        assert np.array_equal(part.normals, whole.normals[asked], equal_nan=True)
+        assert np.array_equal(part.sigma, whole.sigma[asked], equal_nan=True)
+
+
+def test_at_the_edge_of_a_bent_surface_windows_stay_narrow():
+    beams, grid = beams_of(100, 100, 3.2e-4, 3.2e-4)
+    radius, middle = 0.05, 1.55
+    flat = beams[:, 0] ** 2 + beams[:, 1] ** 2
+    along = beams[:, 0] * middle
+    ranges = (along - np.sqrt(along**2 - flat * (middle**2 - radius**2))) / flat
+    exact = beams * ranges[:, None]
+    outwards = (exact - [middle, 0.0, 0.0]) * [1.0, 1.0, 0.0] / radius
+    xyz = beams * (ranges + np.random.default_rng(1).normal(0, 3e-4, len(ranges)))[:, None]
+    truth = np.rad2deg(np.arccos(-(beams * outwards).sum(axis=1)))
+    edge = (grid.row < 8) | (grid.row > 91) | (grid.column < 8) | (grid.column > 91)
+    error = {name: np.abs(angles_of(xyz, grid, name)[0] - truth)[edge] for name in ON_IMAGE}
+    assert np.median(error["adaptive"]) < 1.5 * np.median(error["window"])
+
+
+def test_three_points_tell_no_error():
+    xyz = np.array([[2.0, 0.0, 0.0], [2.0, 5e-3, 0.0], [2.0, 0.0, 5e-3]])
+    planes = local_planes(xyz, ORIGIN, radius=0.004)
+    assert np.isfinite(planes.normals).all()
+    assert np.isnan(planes.sigma).all()
+    assert planes.balls == 3
+
+
 def test_several_returns_in_a_cell_all_get_an_angle():
     xyz, grid, truth = step_scan(2e-4)
     beams, _ = beams_of(60, 60, 3e-4, 3e-4)

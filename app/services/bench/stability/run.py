@@ -18,7 +18,8 @@ NOTE = (
     "Largest deviation of any angle, degrees: of a changed scan from the same one unchanged, or "
     "from the true angle where there is no noise. inf: an angle is missing, or one too many. "
     "moved: far coordinates against the same rounded ones, brought back exactly; rounded: against "
-    "those before rounding, 99 % of the points (a neighbour may fall on either side of a rim)."
+    "those before rounding, 99 % of the points (a neighbour may fall on either side of a rim). "
+    "Poles and grids that do not follow the beams are left to balls by all."
 )
 
 
