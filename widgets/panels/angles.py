@@ -25,7 +25,8 @@ FIELD = "incidence"
 LEAST_RADIUS_MM = 0.1
 TITLES = {
     "adaptive": ("Adaptive", "The window grows where the surface is flat, stays narrow "
-                 "where it bends, and keeps to one side at edges. The best choice for nearly everything."),
+                 "where it bends, and keeps to one side at edges. The best choice for nearly "
+                 "everything."),
     "robust": ("Robust", "A window of the radius; points that do not lie on the surface lose "
                "their weight. For many edges and ghosts."),
     "window": ("Window", "A plain window of the radius, cut at jumps of the range. The fastest, "
