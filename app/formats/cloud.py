@@ -58,6 +58,7 @@ def take_points(scan: Scan, indices: AnyArray) -> Scan:
         xyz=scan.xyz[indices],
         attributes={name: values[indices] for name, values in scan.attributes.items()},
         grid=_take_cells(scan.grid, indices),
+        waveforms=None if scan.waveforms is None else scan.waveforms.take(indices),
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from app.core.arrays import AnyArray
 from app.core.progress import QUIET, Progress
+from app.formats.las_waveforms import Descriptor, LasWaveforms
 from app.model.scan import Channel, Grid, Pose, Scan
 
 _INDEX = "scans.json"
@@ -47,6 +48,7 @@ def _save_scan(scan: Scan, folder: Path, prefix: str) -> dict[str, Any]:
         "grid": None if scan.grid is None else _save_grid(scan.grid, folder, prefix),
         "metadata": dict(scan.metadata),
         "warnings": list(scan.warnings),
+        "waveforms": _save_waveforms(scan, folder, prefix),
     }
 
 
@@ -54,6 +56,28 @@ def _save_grid(grid: Grid, folder: Path, prefix: str) -> dict[str, Any]:
     for part in ("row", "column", "no_return"):
         _save(folder, f"{prefix}-{part}", getattr(grid, part))
     return {"rows": grid.rows, "columns": grid.columns, "prefix": prefix}
+
+
+def _save_waveforms(scan: Scan, folder: Path, prefix: str) -> dict[str, Any] | None:
+    """The places of LAS packets; the samples stay in their file."""
+    found = scan.waveforms
+    if not isinstance(found, LasWaveforms):
+        return None
+    for name, values in found.columns.items():
+        if values is not scan.attributes.get(name):
+            _save(folder, f"{prefix}-{name}", values)
+    return {
+        "path": found.path,
+        "size": found.size,
+        "modified": found.modified,
+        "start": found.start,
+        "missing": found.missing,
+        "descriptors": {number: asdict(d) for number, d in found.descriptors.items()},
+        "columns": {
+            name: None if values is scan.attributes.get(name) else f"{prefix}-{name}"
+            for name, values in found.columns.items()
+        },
+    }
 
 
 def _load_scan(entry: dict[str, Any], folder: Path, progress: Progress) -> Scan:
@@ -68,6 +92,7 @@ def _load_scan(entry: dict[str, Any], folder: Path, progress: Progress) -> Scan:
         grid=_load_grid(entry["grid"], folder, progress),
         metadata=entry["metadata"],
         warnings=tuple(entry["warnings"]),
+        waveforms=_load_waveforms(entry["waveforms"], attributes, folder, progress),
     )
 
 
@@ -86,6 +111,23 @@ def _load_grid(entry: dict[str, Any] | None, folder: Path, progress: Progress) -
         for part in ("row", "column", "no_return")
     )
     return Grid(entry["rows"], entry["columns"], row, column, no_return)
+
+
+def _load_waveforms(
+    entry: dict[str, Any] | None,
+    attributes: dict[str, AnyArray],
+    folder: Path,
+    progress: Progress,
+) -> LasWaveforms | None:
+    """The waveforms; columns that are attributes of the scan too are held only once."""
+    if entry is None:
+        return None
+    columns = {
+        name: attributes[name] if file is None else _load(folder, file, progress)
+        for name, file in entry.pop("columns").items()
+    }
+    kinds = {int(n): Descriptor(**d) for n, d in entry.pop("descriptors").items()}
+    return LasWaveforms(**entry, columns=columns, descriptors=kinds)
 
 
 def _save(folder: Path, name: str, values: AnyArray) -> None:

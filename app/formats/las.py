@@ -16,6 +16,7 @@ from app.formats.guard import library_errors
 from app.formats.header import Header
 from app.formats.las_preflight import Layout, describe, parse_names, read_layout
 from app.formats.las_rescue import rescue_records
+from app.formats.las_waveforms import describe_waveforms, find_waveforms
 from app.formats.las_write import write
 from app.formats.options import DEFAULTS, ReadOptions
 from app.formats.sidecar import restore_sidecar
@@ -219,11 +220,16 @@ def _make_scan(path: Path, layout: Layout, table: _Table) -> Scan:
     warnings = list(layout.warnings)
     if table.seen < layout.points:
         warnings.append(f"Only {table.seen} of {layout.points} points could be recovered.")
+    metadata = dict(describe(layout).details)
+    waveforms, notes = find_waveforms(path, layout, attributes)
+    if waveforms is not None:
+        metadata["waveforms"] = describe_waveforms(waveforms)
     return Scan(
         name=path.stem,
         xyz=table.xyz,
         attributes=attributes,
         channels=recognise_channels(attributes),
-        metadata=dict(describe(layout).details),
-        warnings=tuple(warnings),
+        metadata=metadata,
+        warnings=(*warnings, *notes),
+        waveforms=waveforms,
     )

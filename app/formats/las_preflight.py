@@ -21,6 +21,7 @@ _VLR_BYTES = 54
 _MOST_VLRS = 10_000
 _LONGEST_CRS = 1_000_000
 _WORKING_MEMORY = 1 << 26  # one chunk of records and what is made of it
+_WAVEFORMS = 99  # the descriptor of waveforms n is record 99 + n
 _COMPRESSORS = (1, 2, 3)  # pointwise, pointwise chunked, layered chunked
 
 
@@ -58,6 +59,9 @@ class Layout:
     extra: tuple[ExtraField, ...] = ()
     compression: Compression | None = None
     names: str = ""
+    encoding: int = 0
+    waveform_start: int = 0
+    descriptors: tuple[tuple[int, bytes], ...] = ()
     warnings: tuple[str, ...] = ()
     shortfall: str = ""
 
@@ -121,7 +125,9 @@ def _parse(head: bytes, name: str) -> Layout:
         raise BadInput(f"{name} ends inside its LAS header ({len(head)} bytes).")
     header_bytes, offset, vlrs, kind, record, points = struct.unpack_from("<HIIBHI", head, 94)
     values = struct.unpack_from("<6d", head, 131)
-    minor = head[25]
+    minor, waveforms = head[25], 0
+    if minor >= 3 and len(head) >= 235:
+        (waveforms,) = struct.unpack_from("<Q", head, 227)
     if minor >= 4 and len(head) >= 255:
         (long_count,) = struct.unpack_from("<Q", head, 247)
         points = long_count or points
@@ -138,6 +144,8 @@ def _parse(head: bytes, name: str) -> Layout:
         offsets=values[3:],
         software=_text(head[58:90]),
         system=_text(head[26:58]),
+        encoding=head[6],
+        waveform_start=waveforms,
     )
 
 
@@ -206,6 +214,9 @@ def _take_vlr(layout: Layout, key: tuple[str, int], data: bytes, name: str) -> L
         return replace(layout, crs=_text(data[:_LONGEST_CRS]))
     if key == OUR_VLR:
         return replace(layout, names=_text(data))
+    if key[0] == "LASF_Spec" and _WAVEFORMS < key[1] <= _WAVEFORMS + 255:
+        known = (*layout.descriptors, (key[1] - _WAVEFORMS, data[:26]))
+        return replace(layout, descriptors=known[-255:])
     return layout
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints, finite_rows
 from app.core.errors import BadInput, MissingChannel, MissingScanner
+from app.model.waveforms import Waveforms
 
 ChannelKind = Literal["DN", "dB", "linear", "reflectance"]
 PoseKnownBy = Literal["file", "given", "assumed"]
@@ -112,6 +113,8 @@ class Scan:
     metadata : mapping of str to str
         Instrument, coordinate system and other facts of the file.
     warnings : tuple of str
+    waveforms : Waveforms or None
+        Digitised records that the points were found in, where the file has them.
     """
 
     name: str
@@ -123,6 +126,7 @@ class Scan:
     source: Source | None = None
     metadata: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    waveforms: Waveforms | None = None
 
     def __post_init__(self) -> None:
         if self.xyz.ndim != 2 or self.xyz.shape[1] != 3:
@@ -132,6 +136,8 @@ class Scan:
                 raise BadInput(
                     f"{self.name}: {key} has {len(values)} values for {len(self.xyz)} points."
                 )
+        if self.waveforms is not None and len(self.waveforms) != len(self.xyz):
+            raise BadInput(f"{self.name}: its waveforms are those of other points.")
 
     def __len__(self) -> int:
         return len(self.xyz)
