@@ -1,0 +1,50 @@
+"""Noise of a number, constant and in proportion, estimated from what a fit leaves over."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.core.arrays import Floats
+from app.core.radiometry.profile import Noise
+
+MIXES = np.linspace(-18.0, 18.0, 73)
+"""ln of the part in proportion over the constant part, at the largest number."""
+TINY = 1e-300
+
+
+def estimate_noise(residual: Floats, fitted: Floats, parameters: int) -> Noise:
+    """The constant and the share of σ² = constant² + (share · DN)².
+
+    Maximum likelihood for normal residuals: for each mix of the two parts the size follows at
+    once, so that one number is sought. The squares are enlarged by n / (n − p), because a fit
+    with p parameters comes nearer to its data than the truth does.
+
+    Parameters
+    ----------
+    residual, fitted : (n,) arrays
+        DN.
+    parameters : int
+        p.
+    """
+    from scipy.optimize import minimize_scalar
+
+    largest = float(np.abs(fitted).max()) or 1.0
+    size = (fitted / largest) ** 2
+    enlarged = len(residual) / max(len(residual) - parameters, 1)
+    square = residual**2 * enlarged
+
+    def blend(mix: float) -> Floats:
+        share = 1.0 / (1.0 + np.exp(-mix))
+        return np.asarray((1.0 - share) + share * size)
+
+    def cost(mix: float) -> float:
+        shape = blend(mix)
+        return float(np.log(np.mean(square / shape) + TINY) + np.mean(np.log(shape)))
+
+    costs = [cost(mix) for mix in MIXES]
+    at = int(np.argmin(costs))
+    ends = MIXES[max(at - 1, 0)], MIXES[min(at + 1, len(MIXES) - 1)]
+    mix = float(minimize_scalar(cost, bounds=ends, method="bounded").x)
+    share = 1.0 / (1.0 + np.exp(-mix))
+    variance = float(np.mean(square / blend(mix))) or (np.finfo(float).eps * largest) ** 2
+    return Noise(float(np.sqrt(variance * (1 - share))), float(np.sqrt(variance * share)) / largest)
