@@ -47,6 +47,12 @@ class Reading:
     "Read what is complete of a truncated file."
     unit: float = 1.0
     "Metres per unit of the file (0.001 for millimetres)."
+    profile: str | None = None
+    "Calibrate the channels by a profile: a TOML file, or the name of a published one."
+    power: tuple[str, ...] = ()
+    "Laser power of the scan in a calibrated channel, CHANNEL=VALUE[:SIGMA]."
+    partial_hits: bool = False
+    "Give a reflectance also to points that the beam hits in part."
 
 
 @Parameter(name="*")
@@ -80,6 +86,7 @@ def opening(file: Path, reading: Reading) -> Opening:
     """What a service is told about the file of a command."""
     from app.formats.options import ReadOptions
     from app.services.opening import Opening, parse_origin
+    from app.services.profiles import find_profile
 
     options = ReadOptions(
         every_nth=reading.every_nth,
@@ -90,7 +97,12 @@ def opening(file: Path, reading: Reading) -> Opening:
         metres_per_unit=reading.unit,
     )
     origin = None if reading.origin is None else parse_origin(reading.origin)
-    return Opening(file, options, origin, reading.channel)
+    profile = None if reading.profile is None else find_profile(reading.profile)
+    if profile is None and (reading.power or reading.partial_hits):
+        raise WrongUse("--power and --partial-hits say something about a --profile; give one.")
+    return Opening(
+        file, options, origin, reading.channel, profile, reading.power, reading.partial_hits
+    )
 
 
 def parameters_of(
@@ -375,3 +387,15 @@ leafscope.command(
     help="Scan a simulated scene: points with everything that is true about them.",
 )
 leafscope.command("app.cli.benching:bench", help="Measure how right and how fast Leafscope is.")
+leafscope.command(
+    "app.cli.sampling:sample",
+    help="Means of samples that several instruments scanned, and indices of the means.",
+)
+leafscope.command(
+    "app.cli.calibrating:calibrate",
+    help="Calibrate an instrument from a table of panels: DN to reflectance.",
+)
+leafscope.command(
+    "app.cli.calibrating:profiles",
+    help="List what is published about instruments, and the profiles that come with Leafscope.",
+)

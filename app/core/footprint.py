@@ -32,7 +32,8 @@ def footprint_axis(
     -------
     array
         D = 2 (r₀ + d tan δ) / (cos ω (1 − tan²ω tan²δ)), metres; inf where the beam's outer
-        ray no longer meets the plane (ω ≥ π/2 − δ).
+        ray no longer meets the plane (ω ≥ π/2 − δ); NaN where distance or angle are unknown,
+        or the distance is negative.
 
     Raises
     ------
@@ -48,7 +49,7 @@ def footprint_axis(
         stretch = np.cos(angle) * (1.0 - (np.tan(angle) * np.tan(half_divergence)) ** 2)
         meets = np.abs(angle) < np.pi / 2 - half_divergence
         axis: Floats = np.where(meets, beam / stretch, np.inf)
-    return np.where(np.isnan(angle), np.nan, axis)
+    return np.where(np.isnan(angle) | ~(d >= 0.0), np.nan, axis)
 
 
 def check_beam(beam_radius: float, half_divergence: float) -> None:

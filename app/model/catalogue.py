@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -10,29 +10,39 @@ from app.core.arrays import Ints
 from app.core.errors import LeafscopeError, MissingChannel
 from app.core.indices import NAMED, NamedIndex, match_channels
 from app.core.indices import evaluate as evaluate_index
+from app.core.radiometry.profile import Profile
 from app.core.units import to_radians
 from app.model.angle_fields import ANGLES
+from app.model.calibrated import calibrated_channels
 from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec, pick_rows
 from app.model.footprint_fields import FOOTPRINTS
+from app.model.hit_fields import HITS
 from app.model.neighbours import neighbours_of
 from app.model.parameters import Formula
+from app.model.radiometry_fields import reflectance_fields
 from app.model.scan import Channel, Scan
 from app.model.truth_fields import TruthField, describe_truth
+from app.model.waveform_fields import waveform_fields
 
 CHANNEL_UNITS = {"DN": "DN", "dB": "dB", "linear": "", "reflectance": ""}
 
 
-def build_catalogue(scan: Scan, formulas: Iterable[Formula] = ()) -> Catalogue:
-    """Fields of a scan by name: geometry, channels, indices, formulas, other attributes.
+def build_catalogue(
+    scan: Scan, formulas: Iterable[Formula] = (), profile: Profile | None = None
+) -> Catalogue:
+    """Fields of a scan by name: geometry, channels, reflectance, indices, formulas, the rest.
 
     Fields that need what the scan lacks (a scanner position, a channel) are listed all
     the same: asking for them raises the error that says what is missing.
     """
-    specs = [*GEOMETRY, *map(channel_field, scan.channels)]
-    specs += [index_field(index, scan) for index in NAMED.values()]
+    channels = (*calibrated_channels(scan, profile), *scan.channels)
+    specs = [*GEOMETRY, *reflectance_fields(profile, scan), *map(channel_field, scan.channels)]
+    specs += waveform_fields(scan)
+    wavelengths = {channel.name: channel.wavelength_nm for channel in channels}
+    specs += [index_field(index, wavelengths) for index in NAMED.values()]
     catalogue = {spec.name: spec for spec in specs}
     for formula in formulas:  # never in place of a field that others are computed from
-        catalogue.setdefault(formula.name, formula_field(formula, scan))
+        catalogue.setdefault(formula.name, formula_field(formula, list(wavelengths)))
     for name, values in scan.attributes.items():
         if name not in catalogue and values.dtype.kind in "buif":
             catalogue[name] = attribute_field(name)
@@ -72,16 +82,16 @@ def attribute_field(name: str) -> FieldSpec:
     return FieldSpec(name, shown.title, shown.unit, shown.kind, compute, stored=True)
 
 
-def index_field(index: NamedIndex, scan: Scan) -> FieldSpec:
-    """A named spectral index over the nearest channels."""
+def index_field(index: NamedIndex, wavelengths: Mapping[str, float | None]) -> FieldSpec:
+    """A named spectral index over the nearest channels, given by name with their nm."""
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
-        roles = match_channels(index, evaluation.subject.state.scan.wavelengths)
+        roles = match_channels(index, wavelengths)
         values = {role: evaluation.read(name, points) for role, name in roles.items()}
         return Computed(evaluate_index(index, values), {"channels": roles})
 
     try:
-        roles = match_channels(index, scan.wavelengths)
+        roles = match_channels(index, wavelengths)
     except MissingChannel:
         roles = {}
     return FieldSpec(
@@ -89,11 +99,9 @@ def index_field(index: NamedIndex, scan: Scan) -> FieldSpec:
     )
 
 
-def formula_field(formula: Formula, scan: Scan) -> FieldSpec:
-    """A user's own formula over channels."""
+def formula_field(formula: Formula, channels: list[str]) -> FieldSpec:
+    """A user's own formula over channels, given by name."""
     from app.core.formula import compile_formula
-
-    channels = [channel.name for channel in scan.channels]
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
         compiled = compile_formula(formula.text, channels)
@@ -160,6 +168,7 @@ GEOMETRY = (
     FieldSpec("range", "Range", "m", "scalar", compute_range, needs=("points", "pose")),
     *ANGLES,
     *FOOTPRINTS,
+    *HITS,
     FieldSpec(
         "ghost_score",
         "Ghost score",

@@ -19,7 +19,7 @@ from app.core.progress import QUIET, Progress
 from app.model.leaf import Leaf
 from app.model.state import ScanState
 
-FieldKind = Literal["scalar", "angle", "signed angle", "score", "flag", "verdict", "class"]
+FieldKind = Literal["scalar", "angle", "signed angle", "score", "flag", "verdict", "mark", "class"]
 Need = Literal["points", "pose", "channels", "marks", "deleted", "leaves"]
 
 

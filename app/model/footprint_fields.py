@@ -18,7 +18,7 @@ def compute_footprint(evaluation: Evaluation, points: Ints | None) -> Computed:
 
     NaN where the surface is so steep that the outer ray of the beam no longer meets it.
     """
-    beam = _beam_in_use(evaluation)
+    beam = beam_in_use(evaluation)
     distance = evaluation.read("range", points)
     incidence = to_radians(evaluation.read("incidence", points))
     axis = to_mm(footprint_axis(distance, incidence, beam.radius, beam.half_divergence))
@@ -36,7 +36,7 @@ def compute_footprint_share(evaluation: Evaluation, points: Ints | None) -> Comp
     The size of a leaf is the diameter of the circle that has its area; see
     `app.core.footprint.leaf_diameter`.
     """
-    _beam_in_use(evaluation)
+    beam_in_use(evaluation)
     asked = np.arange(evaluation.size) if points is None else points
     size = spread_over_leaves(evaluation, asked, measure_size)
     share = np.full(len(asked), np.nan)
@@ -59,7 +59,8 @@ def measure_size(evaluation: Evaluation, members: Ints) -> float:
     return leaf_diameter(living, plane.normal)
 
 
-def _beam_in_use(evaluation: Evaluation) -> Beam:
+def beam_in_use(evaluation: Evaluation) -> Beam:
+    """The beam of the scan's parameters; raises `BadInput` where nobody told it."""
     beam = evaluation.subject.state.parameters.beam
     if beam is None:
         raise BadInput(

@@ -10,8 +10,11 @@ from app.core.errors import WrongUse
 from app.core.footprint import check_beam
 from app.core.ghosts import THRESHOLD
 from app.core.incidence import ESTIMATORS, RADIUS, Estimator
+from app.core.radiometry.drift import check_power
+from app.core.radiometry.profile import Profile
 
 LARGEST_RADIUS = 0.5
+MOST_SIGMAS = 100.0
 
 
 class Curve(msgspec.Struct, frozen=True):
@@ -57,6 +60,31 @@ class Beam(msgspec.Struct, frozen=True):
         check_beam(self.radius, self.half_divergence)
 
 
+class ScanPower(msgspec.Struct, frozen=True):
+    """Laser power of one scan in one calibrated channel.
+
+    Attributes
+    ----------
+    channel : str
+        Name of the calibrated channel, e.g. ``reflectance_785``.
+    value : float
+        Share of the power at which the profile was made.
+    sigma : float
+    origin : str
+        Where it comes from in words, e.g. "panel of 50 % in Leaf 3".
+    """
+
+    channel: str
+    value: float = 1.0
+    sigma: float = 0.0
+    origin: str = ""
+
+    def __post_init__(self) -> None:
+        check_power(self.value)
+        if not 0.0 <= self.sigma < math.inf:
+            raise WrongUse(f"The σ of a laser power must be a number from 0 on, not {self.sigma}.")
+
+
 class Formula(msgspec.Struct, frozen=True):
     """A user's own index: a name and the text of a whitelisted formula."""
 
@@ -84,6 +112,14 @@ class Parameters(msgspec.Struct, frozen=True):
         How the local plane at a point is found; see `app.core.incidence`.
     beam : Beam or None
         Beam of the scanner, for its footprint; None is unknown.
+    profile : Profile or None
+        Calibration that turns channels into reflectance.
+    powers : tuple of ScanPower
+        Laser power of this scan, per calibrated channel; where none is said, it is 1.
+    partial_hits : bool
+        Give a reflectance also to points that the beam hits in part.
+    waveform_threshold : float
+        Standard deviations of the noise above which a sample belongs to a return.
     """
 
     radius: float = RADIUS
@@ -94,6 +130,15 @@ class Parameters(msgspec.Struct, frozen=True):
     formulas: tuple[Formula, ...] = ()
     estimator: Estimator = "adaptive"
     beam: Beam | None = None
+    profile: Profile | None = None
+    powers: tuple[ScanPower, ...] = ()
+    partial_hits: bool = False
+    waveform_threshold: float = 5.0
+
+    @property
+    def radiometry(self) -> tuple[object, ...]:
+        """What calibrated channels depend on, beside the channels of the file."""
+        return self.profile, self.powers, self.partial_hits, self.beam, self.waveform_threshold
 
     def __post_init__(self) -> None:
         if self.estimator not in ESTIMATORS:
@@ -110,6 +155,11 @@ class Parameters(msgspec.Struct, frozen=True):
         _check_positive("The plane gate", self.plane_gate)
         if not 0.0 <= self.ghost_threshold <= 1.0:
             raise WrongUse(f"A ghost threshold lies in 0 to 1, not at {self.ghost_threshold}.")
+        if not 0.0 < self.waveform_threshold <= MOST_SIGMAS:
+            raise WrongUse(
+                f"The threshold of a waveform lies above 0 and up to {MOST_SIGMAS:g} σ of its "
+                f"noise, not at {self.waveform_threshold:g}."
+            )
 
 
 def _check_positive(what: str, metres: float) -> None:

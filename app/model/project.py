@@ -75,10 +75,11 @@ class Project:
     def catalogue(self, scan: str) -> Catalogue:
         """The fields that a scan can have, by name."""
         state = self.state.scan(scan)
-        mark = (state.scan.channels, Same(state.scan.attributes), state.parameters.formulas)
+        formulas, profile = state.parameters.formulas, state.parameters.profile
+        mark = (state.scan.channels, Same(state.scan.attributes), formulas, Same(profile))
         held = self._catalogues.get(scan)
         if held is None or held[0] != mark:
-            held = (mark, build_catalogue(state.scan, state.parameters.formulas))
+            held = (mark, build_catalogue(state.scan, formulas, profile))
             self._catalogues[scan] = held
         return held[1]
 

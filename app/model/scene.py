@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from app.core.arrays import Floats
+from app.core.radiometry.marks import WORDS
 from app.model.fields import FieldKind, Same, Values
 from app.model.project import Project
 from app.model.view_state import ViewState
@@ -22,6 +23,7 @@ DEFAULT_MAPS: Mapping[FieldKind, str] = {
     "score": "batlow",
     "flag": "flag",
     "verdict": "verdict",
+    "mark": "marks",
     "class": "leaves",
 }
 
@@ -161,6 +163,8 @@ def default_limits(values: Floats, kind: FieldKind) -> tuple[float, float]:
         return 0.0, 1.0
     if kind == "verdict":
         return 0.0, 2.0
+    if kind == "mark":
+        return 0.0, float(len(WORDS) - 1)
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return 0.0, 1.0

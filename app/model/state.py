@@ -12,6 +12,7 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Bools
 from app.core.errors import MissingChannel, WrongUse
+from app.model.calibrated import calibrated_channels
 from app.model.leaf import FitRecord, Leaf, Sample
 from app.model.parameters import Parameters
 from app.model.points import EMPTY, PointSet
@@ -54,6 +55,20 @@ class ScanState:
         """Points that exist for the user: finite and not deleted, (n,) booleans."""
         return self.scan.valid & ~self.deleted
 
+    @cached_property
+    def channels(self) -> tuple[Channel, ...]:
+        """Calibrated channels, then those of the file: the earlier is the better one to use."""
+        return (*calibrated_channels(self.scan, self.parameters.profile), *self.scan.channels)
+
+    def channel(self, name: str) -> Channel:
+        """The channel of that name; raises `MissingChannel` with the names there are."""
+        return self.scan.with_channels(self.channels).channel(name)
+
+    @property
+    def wavelengths(self) -> dict[str, float | None]:
+        """Wavelength of each channel, nm, by its name; calibrated ones first."""
+        return {channel.name: channel.wavelength_nm for channel in self.channels}
+
     def channel_in_use(self, needed_for: str) -> Channel:
         """The channel that fits and angles from intensity use.
 
@@ -63,13 +78,13 @@ class ScanState:
             The scan has no intensity; the sentence names `needed_for`.
         """
         if self.parameters.channel is not None:
-            return self.scan.channel(self.parameters.channel)
-        if not self.scan.channels:
+            return self.channel(self.parameters.channel)
+        if not self.channels:
             raise MissingChannel(
                 f"{self.scan.name} has no intensity, and {needed_for} needs it.",
                 "Name a channel if one of its attributes is an intensity.",
             )
-        return self.scan.channels[0]
+        return self.channels[0]
 
     @cached_property
     def shown(self) -> int:

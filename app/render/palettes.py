@@ -21,7 +21,7 @@ PALETTES: Mapping[PaletteKind, tuple[str, ...]] = {
     "sequential": ("cividis", "viridis", "batlow", "grey"),
     "diverging": ("delta-omega", "vik"),
     "flag": ("flag",),
-    "categorical": ("leaves", "verdict"),
+    "categorical": ("leaves", "verdict", "marks"),
 }
 # Δω after Balduzzi: negative (towards facing the beam) yellow and red, zero green, positive
 # (towards edge-on) blue and purple. Lightness falls to both sides, so it also reads in grey.
@@ -30,6 +30,8 @@ DELTA_OMEGA = ("#8c1018", "#d73027", "#f99b3c", "#f7dc50", "#4fb463", "#3e8fc4",
 DELTA_OMEGA_AT = (0.0, 0.14, 0.28, 0.40, 0.50, 0.62, 0.74, 0.87, 1.0)
 FLAG = ("#56b4e9", "#d55e00")
 VERDICT = (*FLAG, "#f0e442")  # no, yes, unsure
+# Good, no signal, dark, saturated, beyond the ranges, beyond the response, partial hit.
+MARKS = ("#009e73", "#0072b2", "#882255", "#f0e442", "#56b4e9", "#cc79a7", "#d55e00")
 # Okabe and Ito without black, and Tol's wine: eight that all kinds of colour vision tell apart.
 LEAVES = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#882255")
 BACKGROUNDS: Mapping[Background, tuple[Rgb, Rgb]] = {
@@ -79,6 +81,8 @@ def colour_table(name: str) -> Bytes:
             table = np.array([_rgba(LEAVES[(i - 1) % len(LEAVES)]) for i in range(256)])
         case "verdict":
             table = np.array([_rgba(VERDICT[min(i, 2)]) for i in range(256)])
+        case "marks":
+            table = np.array([_rgba(MARKS[min(i, len(MARKS) - 1)]) for i in range(256)])
         case "cividis" | "viridis" | "batlow" | "vik":
             table = _published(name)
         case "grey":

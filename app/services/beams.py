@@ -56,7 +56,13 @@ def choose_beam(
 
 
 def propose_beam(scan: Scan) -> Beam | None:
-    """The beam of the instrument that a scan names, if it is one of the presets.
+    """The beam of the instrument that a scan names, if it is one of the presets."""
+    tool = name_instrument(scan)
+    return _beam_of(tool, f"instrument {tool.name}, as the scan says") if tool else None
+
+
+def name_instrument(scan: Scan) -> Instrument | None:
+    """The preset of the instrument that a scan names; None where it names none of them.
 
     An instrument is named when all words of its title are in the text; of two, that with more
     words is meant (the LS880 with its filter, not the one without).
@@ -65,8 +71,7 @@ def propose_beam(scan: Scan) -> Beam | None:
         said = _words(" ".join(scan.metadata.get(key, "") for key in keys))
         named = [tool for tool in list_instruments() if said and _words(tool.title) <= said]
         if named:
-            tool = max(named, key=lambda tool: len(_words(tool.title)))
-            return _beam_of(tool, f"instrument {tool.name}, as the scan says")
+            return max(named, key=lambda tool: len(_words(tool.title)))
     return None
 
 

@@ -19,6 +19,7 @@ from app.services.beams import describe_beam
 from app.services.export import export, gather, merge, refuse_unwritable
 from app.services.opening import Opening, open_file
 from app.services.preparation import BEAM_FIELDS, MADE_FROM, needs_preparation, prepare
+from app.services.radiometry import tell_calibration
 
 VERSIONED = ("leafscope", "numpy", "scipy", "numba")
 
@@ -65,6 +66,7 @@ def compute_file(
     report["warnings"] += [f"Done for you: {step.title}." for step in made]
     if not BEAM_FIELDS.isdisjoint(fields):
         report["warnings"] += _tell_beams(project, keys)
+    report["warnings"] += [line for key in keys for line in tell_calibration(project, key, fields)]
     write = time.perf_counter() - start
     report["seconds"] = {"read": read, **report["seconds"], "write": write}
     return report

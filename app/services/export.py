@@ -16,6 +16,7 @@ from app.core.progress import QUIET, Progress
 from app.formats.cloud import Cloud
 from app.formats.saving import save
 from app.model.fields import find_spec
+from app.model.parameters import Parameters
 from app.model.project import Project
 from app.model.scan import Scan
 
@@ -133,7 +134,20 @@ def provenance(project: Project, scan: str) -> dict[str, object]:
             name: getattr(state.parameters, name)
             for name in ("radius", "estimator", "ghost_threshold")
         },
+        **_describe_profile(state.parameters),
     }
+
+
+def _describe_profile(parameters: Parameters) -> dict[str, object]:
+    if parameters.profile is None:
+        return {}
+    calibration = {
+        "profile": parameters.profile.name,
+        "origin": parameters.profile.origin,
+        "partial_hits": parameters.partial_hits,
+        "powers": {power.channel: [power.value, power.sigma] for power in parameters.powers},
+    }
+    return {"calibration": calibration}
 
 
 def export(cloud: Cloud, path: Path, overwrite: bool = False, progress: Progress = QUIET) -> None:

@@ -22,6 +22,7 @@ from app.model.points import PointSet
 from app.model.project import Project
 from app.model.selection import Explicit, FieldRange, Selection
 from app.model.state import make_key, next_leaf_key
+from app.services.radiometry import explain_reflectance
 
 # A segment that shares more than this with a leaf is that leaf, seen with another border.
 SAME_LEAF = 0.3
@@ -127,7 +128,7 @@ def _columns(project: Project, scan: str, points: Ints, progress: Progress) -> d
     columns: dict[str, AnyArray] = {}
     if state.scan.pose is not None:
         columns["incidence"] = project.field(scan, "incidence", points, progress)
-    for channel in state.scan.channels:
+    for channel in state.channels:
         columns[channel.name] = project.field(scan, channel.name, points)
     return columns
 
@@ -138,10 +139,12 @@ def _measure(project: Project, leaf: Leaf, points: Ints, values: dict[str, AnyAr
     row |= _measure_plane(project, leaf.scan, points)
     if "incidence" in values:
         row["incidence_mean_deg"], row["incidence_sd_deg"] = _mean_sd(values["incidence"])
-    for channel in state.scan.channels:
+    for channel in state.channels:
         mean, sd = _mean_sd(values[channel.name])
         row |= {f"{channel.name}_mean": mean, f"{channel.name}_sd": sd}
-    wavelengths = state.scan.wavelengths
+        if channel.calibration and channel not in state.scan.channels:
+            row |= _tell_sigma(project, leaf.scan, channel.name, points)
+    wavelengths = state.wavelengths
     for index in NAMED.values():
         try:
             roles = match_channels(index, wavelengths)
@@ -152,6 +155,13 @@ def _measure(project: Project, leaf: Leaf, points: Ints, values: dict[str, AnyAr
         row[f"{index.name}_mean_of_points"], row[f"{index.name}_sd"] = _mean_sd(per_point)
         row[f"{index.name}_of_means"] = _number(evaluate_index(index, means)[0])
     return row
+
+
+def _tell_sigma(project: Project, scan: str, channel: str, points: Ints) -> Row:
+    """σ of a mean reflectance and its parts; what points share does not average out."""
+    told = explain_reflectance(project, scan, channel, points)
+    parts = {f"{channel}_sigma_{part}": _number(sigma) for part, sigma in told.parts.items()}
+    return {f"{channel}_sigma": _number(told.sigma), **parts, f"{channel}_n": told.n}
 
 
 def _measure_plane(project: Project, scan: str, points: Ints) -> Row:

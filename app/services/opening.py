@@ -12,6 +12,7 @@ import numpy as np
 
 from app.core.errors import WrongUse
 from app.core.progress import QUIET, Progress
+from app.core.radiometry.profile import Profile
 from app.core.scanner import fit_spherical
 from app.formats.options import DEFAULTS, ReadOptions
 from app.model.operations import (
@@ -24,6 +25,7 @@ from app.model.operations import (
 )
 from app.model.project import Project
 from app.model.scan import Channel, ChannelKind, Pose, Scan, Vector
+from app.services.radiometry import apply_profile, parse_powers, take_partial_hits, use_powers
 from app.services.reading import read_file
 
 KINDS: dict[str, ChannelKind] = {
@@ -75,23 +77,43 @@ class Opening:
         Position of the scanner in world metres, when the user gave one.
     channels : tuple of str
         Channels named by hand, ``NAME=WAVELENGTH:KIND`` or ``NAME=:KIND``.
+    profile : Profile or None
+        Calibration of its channels.
+    powers : tuple of str
+        Laser power of the scan, ``CHANNEL=VALUE`` or ``CHANNEL=VALUE:SIGMA``.
+    partial_hits : bool
+        Give a reflectance also to points that the beam hits in part.
     """
 
     path: Path
     options: ReadOptions = DEFAULTS
     origin: Vector | None = None
     channels: tuple[str, ...] = ()
+    profile: Profile | None = None
+    powers: tuple[str, ...] = ()
+    partial_hits: bool = False
 
 
 def open_file(opening: Opening, progress: Progress = QUIET) -> tuple[Project, list[str]]:
     """Read a file into a project of its own: the start of every headless command."""
     project = Project()
+    return project, open_into(project, opening, progress)
+
+
+def open_into(project: Project, opening: Opening, progress: Progress = QUIET) -> list[str]:
+    """Read a file into a project beside what it holds; give the keys of its scans."""
     scans = read_file(opening.path, opening.options, progress)
     keys = add_scans(project, scans, opening.origin)
     for key in keys if opening.channels else ():
         scan = project.state.scan(key).scan
         project.do(SetChannels(key, name_channels(scan, opening.channels)))
-    return project, keys
+    for key in keys if opening.profile else ():
+        apply_profile(project, key, opening.profile)
+        if opening.powers:
+            use_powers(project, key, parse_powers(opening.powers))
+        if opening.partial_hits:
+            take_partial_hits(project, key, True)
+    return keys
 
 
 def set_parameters(project: Project, scan: str, **values: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from app.core.errors import WrongUse
 from app.core.footprint import footprint_axis, leaf_diameter
@@ -17,6 +18,58 @@ LS880 = {"beam_radius": 0.0015, "half_divergence": np.deg2rad(0.014)}
 def test_ls880_at_2_16_m(degrees, mm):
     axis = footprint_axis(2.16, np.deg2rad(degrees), **LS880)
     assert float(axis) * 1000 == pytest.approx(mm, rel=5e-4)
+
+
+def test_check_values_to_all_their_digits():
+    angle = np.deg2rad([0.0, 65.0, 85.0])
+    assert np.round(footprint_axis(2.16, angle, **LS880) * 1000, 3).tolist() == [
+        4.056,
+        9.596,
+        46.533,
+    ]
+    share = float(footprint_axis(2.16, np.deg2rad(20.0), **LS880)) / 0.0219
+    assert share == pytest.approx(0.1971, rel=2e-4)
+    equal = brentq(lambda w: float(footprint_axis(2.16, w, **LS880)) - 0.0219, 1.0, 1.5)
+    assert np.rad2deg(equal) == pytest.approx(79.33, rel=1e-4)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 40.0, 89.0])
+def test_a_beam_that_does_not_widen_is_cut_as_a_cylinder(degrees):
+    angle = np.deg2rad(degrees)
+    wanted = 0.003 / np.cos(angle)
+    assert float(footprint_axis(2.16, angle, 0.0015, 0.0)) == pytest.approx(wanted, rel=1e-12)
+    narrow = [float(footprint_axis(2.16, angle, 0.0015, half)) for half in (1e-6, 1e-9, 1e-12)]
+    assert np.abs(np.array(narrow) - wanted).argmin() == 2
+    assert narrow[2] == pytest.approx(wanted, rel=1e-8)
+
+
+def test_at_the_aperture_it_is_the_beam_itself():
+    assert float(footprint_axis(0.0, 0.0, **LS880)) == pytest.approx(0.003, rel=1e-12)
+    near = footprint_axis([0.0, 1e-12, 1e-6], np.deg2rad(70.0), **LS880)
+    assert near == pytest.approx(near[0], rel=1e-6)
+    assert float(footprint_axis(0.0, 0.5, 0.0, 1e-3)) == 0.0
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9])
+def test_it_grows_without_bound_where_the_outer_ray_grazes(gap):
+    half = LS880["half_divergence"]
+    angle = np.pi / 2 - half - gap  # tan ω tan δ → 1
+    # 1 - tan²ω tan²δ = cos(ω + δ) cos(ω - δ) / (cos²ω cos²δ), and cos(ω + δ) = sin of the gap.
+    beam = 2 * (0.0015 + 2.16 * np.tan(half))
+    wanted = beam * np.cos(angle) * np.cos(half) ** 2 / (np.sin(gap) * np.cos(angle - half))
+    assert float(footprint_axis(2.16, angle, **LS880)) == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("beyond", [0.0, 1e-9, 1e-4])
+def test_beyond_it_there_is_no_end(beyond):
+    for half in (0.0, LS880["half_divergence"]):
+        angle = np.pi / 2 - half + beyond
+        assert float(footprint_axis(2.16, angle, 0.0015, half)) == np.inf
+
+
+def test_an_unknown_or_negative_distance_has_none():
+    angle = np.deg2rad([30.0, 90.0, 30.0])
+    assert np.isnan(footprint_axis([np.nan, np.nan, -1.0], angle, **LS880)).all()
 
 
 def test_share_of_a_leaf_at_20_degrees():

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from app.core.errors import WrongUse
+from app.core.radiometry.marks import WORDS
+from app.render.legend import ANSWERS
 from app.render.palettes import (
     BACKGROUNDS,
     MISSING,
@@ -71,6 +73,12 @@ def test_missing_values_are_seen_on_the_background(background: str) -> None:
     missing = lightness(np.array(MISSING[background], float))
     for colour in BACKGROUNDS[background]:
         assert abs(missing - lightness(np.array(colour, float))) > 15
+
+
+def test_every_mark_has_a_colour_and_words() -> None:
+    assert [row for row, _ in ANSWERS["mark"]] == list(range(len(WORDS)))
+    found = colours(np.arange(float(len(WORDS))), 0, 6, "marks").tolist()
+    assert len({tuple(colour) for colour in found}) == len(WORDS)
 
 
 def test_a_verdict_has_a_colour_per_answer() -> None:
