@@ -93,6 +93,10 @@ def _scan_rows() -> tuple[Row, ...]:
             "scan", ("A",), "mdi6.angle-acute", section=1, enabled=has_scan,
             tip=tr("Radius, estimator and beam; how neighbours were found, and how good angles "
                    "are")),
+        Row("scan.calibrate", tr("Calib&rate…"),
+            lambda desk, _: desk.views.show_panel("calibration"), "scan", ("K",), "ph.scales",
+            section=1, enabled=has_scan,
+            tip=tr("Turn raw numbers into reflectance by a profile; make one from panels")),
         Row("scan.find_leaves", tr("&Find leaves"), lambda desk, _: desk.scans.find_leaves(),
             "scan", icon="ph.leaf", section=1, enabled=has_scan,
             tip=tr("Part the whole scan into leaves by what hangs together")),

@@ -39,6 +39,7 @@ PLACES = (
     Place("wrinkles", "Δω", "right", "Wrinkles: angle from intensity less the leaf's angle"),
     Place("ghosts", "Ghosts", "right", "Find mixed pixels; mark, delete or correct them"),
     Place("angles", "Angles", "right", "How incidence angles are found, and how good they are"),
+    Place("calibration", "Calibration", "right", "From raw numbers to reflectance, and how sure"),
 )
 
 
@@ -139,6 +140,7 @@ class Docks(QObject):
 def make_panels(controller: Controller, work: LeafWork, documents: Documents) -> dict[str, Panel]:
     """Make every panel; their libraries are loaded here, not when the window opens."""
     from widgets.panels.angles import AnglesPanel
+    from widgets.panels.calibration import CalibrationPanel
     from widgets.panels.ghosts import GhostsPanel
     from widgets.panels.history import HistoryPanel
     from widgets.panels.jobs import JobsPanel
@@ -158,4 +160,5 @@ def make_panels(controller: Controller, work: LeafWork, documents: Documents) ->
         "wrinkles": WrinklesPanel(controller, work, documents),
         "ghosts": GhostsPanel(controller, work, documents),
         "angles": AnglesPanel(controller, work, documents),
+        "calibration": CalibrationPanel(controller, work, documents),
     }

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from app.core.errors import MissingChannel
 from app.core.indices import NAMED, match_channels
+from app.core.radiometry.profile import ChannelCalibration
+from app.model.calibrated import find_source
 from app.model.fields import FieldSpec
 from app.model.project import Project
+from app.model.radiometry_fields import MARK, SIGMA
 from app.model.state import ScanState
 from app.model.truth_fields import describe_truth
 
@@ -19,7 +23,10 @@ GEOMETRY = (
     "incidence_width",
     "footprint",
     "footprint_share",
+    "hit_fraction",
 )
+OPTIONAL = "hit_fraction"
+"""What reflectance does without where it cannot be had."""
 GROUPS = ("Channels", "Indices", "Geometry", "Leaves & ghosts", "Truth", "Other")
 
 
@@ -48,7 +55,9 @@ def list_fields(project: Project, scan: str) -> list[FieldAtHand]:
 
 def group_of(spec: FieldSpec, state: ScanState) -> str:
     """The group that a field belongs to."""
-    if any(channel.name == spec.name for channel in state.scan.channels):
+    if any(channel.name == spec.name for channel in state.channels):
+        return "Channels"
+    if find_calibration(state, spec.name) is not None:
         return "Channels"
     if spec.name in NAMED or any(f.name == spec.name for f in state.parameters.formulas):
         return "Indices"
@@ -64,8 +73,11 @@ def why_not(project: Project, scan: str, field: str) -> str:
     state, spec = project.state.scan(scan), project.catalogue(scan)[field]
     if "pose" in spec.needs and state.scan.pose is None:
         return "The scanner's position is unknown: set it in the Scan menu."
+    calibration = find_calibration(state, field)
+    if calibration is not None and field == calibration.name:
+        return why_no_reflectance(project, scan, calibration, spec)
     if "curve" in spec.parameters:
-        if not state.scan.channels:
+        if not state.channels:
             return "The scan has no intensity."
         if state.parameters.curve is None:
             return "No angular curve is in use: fit one in the phase lab."
@@ -75,8 +87,33 @@ def why_not(project: Project, scan: str, field: str) -> str:
         return "There is no leaf yet: draw around one with the lasso."
     if spec.name in NAMED:
         try:
-            match_channels(NAMED[spec.name], state.scan.wavelengths)
+            match_channels(NAMED[spec.name], state.wavelengths)
         except MissingChannel as error:
             return error.what
-    reasons = (why_not(project, scan, name) for name in spec.inputs)
+    return _why_not_inputs(project, scan, spec.inputs)
+
+
+def why_no_reflectance(
+    project: Project, scan: str, calibration: ChannelCalibration, spec: FieldSpec
+) -> str:
+    """What the reflectance of a channel lacks, as a sentence."""
+    try:
+        find_source(calibration, project.state.scan(scan).scan)
+    except MissingChannel as error:
+        return error.what
+    needed = [name for name in spec.inputs if name != OPTIONAL]
+    return _why_not_inputs(project, scan, needed)
+
+
+def _why_not_inputs(project: Project, scan: str, names: Iterable[str]) -> str:
+    reasons = (why_not(project, scan, name) for name in names)
     return next((reason for reason in reasons if reason), "")
+
+
+def find_calibration(state: ScanState, field: str) -> ChannelCalibration | None:
+    """The calibrated channel that a field is the reflectance, σ or mark of."""
+    profile = state.parameters.profile
+    for each in profile.channels if profile is not None else ():
+        if field in (each.name, each.name + SIGMA, each.name + MARK):
+            return each
+    return None

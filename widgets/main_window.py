@@ -147,6 +147,9 @@ class MainWindow(QMainWindow):
         for panel in panels.values():
             panel.origin_asked.connect(self._ask_origin)
         panels["scans"].channel_asked.connect(self._ask_channel)  # type: ignore[attr-defined]
+        calibration = panels["calibration"]
+        calibration.dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
+        self.picture.picker.found.connect(calibration.show_point)  # type: ignore[attr-defined]
         chosen = panels["leaves"].chosen  # type: ignore[attr-defined]
         chosen.connect(panels["phase_lab"].choose_leaves)  # type: ignore[attr-defined]
 

@@ -6,13 +6,16 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.core.progress import Progress
+from app.core.radiometry.marks import WORDS
 from app.core.screen import View, pick, project
 from app.core.units import to_degrees
+from app.model.calibrated import calibrated_channels
 from app.model.fields import Values
 from app.model.project import Project
+from app.model.radiometry_fields import SIGMA
 from widgets.common.numbers import show_with_sd
 from widgets.controller import Controller
-from widgets.fields_at_hand import why_not
+from widgets.fields_at_hand import find_calibration, why_not
 
 REACH = 6.0  # pixels around the cursor
 ANSWERED = ("range", "incidence_sigma")  # which computes the incidence too
@@ -28,11 +31,14 @@ class Picker(QObject):
     -------
     picked()
         There is a point.
+    found(str, int)
+        The same, with its scan and its number.
     described(list)
         Names, values and units; again when the incidence of the point is computed.
     """
 
     picked = Signal()
+    found = Signal(str, int)
     described = Signal(object)
 
     def __init__(self, controller: Controller, parent: QObject) -> None:
@@ -73,22 +79,36 @@ class Picker(QObject):
             self._controller.said.emit(self.tr("There is no point here."))
             return
         self.point = found
-        self.picked.emit()
-        self._describe()
         key, row = found
+        self.picked.emit()
+        self.found.emit(key, row)
+        self._describe()
         rows = np.array([row])
-        for field in ANSWERED:
+        for field in (*ANSWERED, *self._calibrated(key)):
             if not why_not(self._controller.project, key, field):
                 self._controller.want(key, field, rows, self._describe)
+
+    def _calibrated(self, scan: str) -> list[str]:
+        """σ of the reflectances that a profile gives, which compute these and their marks too."""
+        state = self._controller.project.state.scan(scan)
+        channels = calibrated_channels(state.scan, state.parameters.profile)
+        return [channel.name + SIGMA for channel in channels]
 
     def _describe(self) -> None:
         if self.point is not None:
             self.described.emit(describe_point(self._controller.project, *self.point))
 
 
-def _measure(name: str, known: Values, row: int) -> str | float:
-    """The value; an incidence angle with its standard error where that is known."""
+def _measure(project: Project, scan: str, name: str, known: Values, row: int) -> str | float:
+    """The value; angle and reflectance with their error, or why there is no reflectance."""
     value = float(known.values[row])
+    calibration = find_calibration(project.state.scan(scan), name)
+    if calibration is not None and "mark" in known.beside:
+        error = project.known_field(scan, name + SIGMA)
+        if not np.isfinite(value):
+            return WORDS[int(known.beside["mark"][row])]
+        there = error is not None and error.have[row]
+        return show_with_sd(value, float(error.values[row]) if error and there else None)
     sigma = known.beside.get("sigma") if name == "incidence" else None
     if sigma is None or not np.isfinite(sigma[row]):
         return value
@@ -110,7 +130,7 @@ def describe_point(project: Project, scan: str, row: int) -> list[Value]:
         if held is not None:
             values.append((spec.title, held[row].item(), spec.unit))
         elif known is not None and known.have[row]:
-            values.append((spec.title, _measure(name, known, row), spec.unit))
+            values.append((spec.title, _measure(project, scan, name, known, row), spec.unit))
     leaves = [leaf.name for leaf in project.state.leaves_of(scan) if row in leaf.members.indices]
     if leaves:
         values.append(("Leaf", ", ".join(leaves), ""))

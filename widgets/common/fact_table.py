@@ -17,13 +17,20 @@ SIDES = (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight, Qt.AlignmentFl
 
 
 class FactTable(QTableWidget):
-    """Three columns: names to the left, numbers to the right, words to the left."""
+    """Names to the left, numbers to the right, and, unless told otherwise, words to the left."""
 
-    def __init__(self, name: str, titles: Sequence[str], parent: QWidget | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        titles: Sequence[str],
+        parent: QWidget | None = None,
+        sides: Sequence[Qt.AlignmentFlag] = SIDES,
+    ) -> None:
         super().__init__(0, len(titles), parent)
+        self._sides = sides
         self.setAccessibleName(name)
         for column, title in enumerate(titles):
-            self.setHorizontalHeaderItem(column, _make_item(title, column))
+            self.setHorizontalHeaderItem(column, self._make_item(title, column))
         self.verticalHeader().hide()
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
@@ -34,17 +41,23 @@ class FactTable(QTableWidget):
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
 
+    def explain_columns(self, *tips: str) -> None:
+        """Give the titles tool tips, from the left."""
+        for column, tip in enumerate(tips):
+            item = self.horizontalHeaderItem(column)
+            if item is not None:
+                item.setToolTip(tip)
+
     def show_rows(self, rows: Sequence[Sequence[str]], tips: Sequence[str] = ()) -> None:
         """Show rows of texts, each with a tool tip if there are any."""
         self.setRowCount(len(rows))
         for row, texts in enumerate(rows):
             for column, text in enumerate(texts):
-                item = _make_item(text, column)
+                item = self._make_item(text, column)
                 item.setToolTip(tips[row] if tips else text)
                 self.setItem(row, column, item)
 
-
-def _make_item(text: str, column: int) -> QTableWidgetItem:
-    item = QTableWidgetItem(text)
-    item.setTextAlignment(SIDES[column] | Qt.AlignmentFlag.AlignVCenter)
-    return item
+    def _make_item(self, text: str, column: int) -> QTableWidgetItem:
+        item = QTableWidgetItem(text)
+        item.setTextAlignment(self._sides[column] | Qt.AlignmentFlag.AlignVCenter)
+        return item

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from PySide6.QtCore import QCoreApplication
 
 from app.core.phase import MODELS
+from app.core.radiometry.profile import Profile
 from app.core.units import to_mm
 from app.model.operations import AnyOperation, SetParameters, describe_parameters
 from app.model.parameters import Beam, Curve, Parameters
@@ -55,6 +56,21 @@ def _title(name: str, value: object) -> str:
             return _tr("Set beam: {value}").format(value=beam)
         case "formulas", _:
             return _tr("Set formulas")
+        case _:
+            return _title_radiometry(name, value)
+
+
+def _title_radiometry(name: str, value: object) -> str:
+    match name, value:
+        case "profile", Profile():
+            return _tr("Use profile {value}").format(value=value.name)
+        case "profile", _:
+            return _tr("Use no profile")
+        case "powers", tuple():
+            said = ", ".join(f"{power.value:.3g}" for power in value) or "1"
+            return _tr("Set laser power to {value}").format(value=said)
+        case "partial_hits", bool():
+            return _tr("Use partial hits too") if value else _tr("Use full hits only")
         case _:
             return _tr("Set {name}").format(name=name)
 

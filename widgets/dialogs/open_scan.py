@@ -44,9 +44,24 @@ class FileDialogs(QObject):
 
     def ask_scene(self, then: Callable[[Path], object], parent: QWidget | None = None) -> None:
         """Ask for a scene to simulate."""
-        dialog = self._dialog(self.tr("A scene to simulate"), ["TOML (*.toml)"], parent)
+        self.ask_file(self.tr("A scene to simulate"), ".toml", then, parent)
+
+    def ask_file(
+        self,
+        title: str,
+        suffix: str,
+        then: Callable[[Path], object],
+        parent: QWidget | None = None,
+    ) -> None:
+        """Ask for one file that exists."""
+        dialog = self._dialog(title, [f"{suffix[1:].upper()} (*{suffix})"], parent)
         dialog.setFileMode(Mode.ExistingFile)
-        dialog.fileSelected.connect(lambda name: then(Path(name)))
+
+        def take(name: str) -> None:
+            self.folder = Path(name).parent
+            then(Path(name))
+
+        dialog.fileSelected.connect(take)
         dialog.open()
 
     def ask_save(

@@ -134,7 +134,7 @@ class LeavesPanel(Panel):
         self.table.setVisible(bool(leaves))
         kept = self.selected
         self.measures.measure(leaves)
-        channels = () if state is None else state.scan.channels
+        channels = () if state is None else state.channels
         self.model.show_leaves(leaves, self.measures.rows(leaves), channels)
         self._select(kept)
         self._enable()

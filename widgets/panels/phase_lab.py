@@ -96,7 +96,7 @@ class PhaseLabPanel(Panel):
     def refresh(self) -> None:
         """Show points, curve and numbers for what is chosen."""
         scan, state = self.controller.current, self.controller.scan
-        channels = state.scan.channels if state is not None else ()
+        channels = state.channels if state is not None else ()
         in_use = channel_in_use(self.controller.project, scan) if scan and channels else ""
         self.choice.fill_channels(channels, in_use)
         missing, action = self._find_missing()
@@ -120,7 +120,7 @@ class PhaseLabPanel(Panel):
         state = self.controller.scan
         if state is None:
             return self.tr("Open a scan to see how its intensity depends on the angle."), ""
-        if not state.scan.channels:
+        if not state.channels:
             return self.tr(
                 "This scan has no intensity, and a curve needs it. If one of its values is an "
                 "intensity, name it as a channel in the Scans panel."
@@ -175,7 +175,8 @@ class PhaseLabPanel(Panel):
         if not self.ask(target.scan, "incidence", points, parts):
             return
         angles = Same(project.known_field(target.scan, "incidence"))
-        mark = (target.channel, parts, angles, Same(state.deleted), state.scan.channels)
+        alive, radiometry = Same(state.deleted), state.parameters.radiometry
+        mark = (target.channel, parts, angles, alive, state.channels, radiometry)
         if mark != self._points_for:
             self._points_for = mark
             self._reduce(target, points, mark)
@@ -208,7 +209,7 @@ class PhaseLabPanel(Panel):
             "linear": self.tr("Intensity (linear)"),
             "reflectance": self.tr("Reflectance (0–1)"),
         }
-        self.editor.show_points(points, titles[state.scan.channel(target.channel).kind])
+        self.editor.show_points(points, titles[state.channel(target.channel).kind])
 
     def fit(self) -> None:
         """Fit the model to what is looked at; the curve can then be put to use."""

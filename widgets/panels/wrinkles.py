@@ -105,7 +105,7 @@ class WrinklesPanel(Panel):
         state = self.controller.scan
         if state is None:
             return self.tr("Open a scan to see how its leaves are wrinkled."), ""
-        if not state.scan.channels:
+        if not state.channels:
             return self.tr("This scan has no intensity, and wrinkles are read from it."), ""
         if state.scan.pose is None:
             return self.tr(
@@ -130,7 +130,7 @@ class WrinklesPanel(Panel):
             return
         self._seen_for = mark
         source = find_source(project.state, scan, state.parameters.curve)
-        sigma = state.scan.channel(state.parameters.curve.channel).sigma
+        sigma = state.channel(state.parameters.curve.channel).sigma
         noise = sigma if sigma is not None else (0.0 if source is None else source.rmse)
         aside = copy_aside(project, scan)
 
@@ -233,5 +233,5 @@ class WrinklesPanel(Panel):
 
     def _other_colour(self) -> str:
         state = self.controller.scan
-        channels = () if state is None else state.scan.channels
+        channels = () if state is None else state.channels
         return channels[0].name if channels else ""

@@ -20,6 +20,7 @@ from app.model.project import Project
 from app.model.view_state import ViewState
 from widgets.common.plots import Plot
 from widgets.panels.angles import AnglesPanel
+from widgets.panels.calibration import CalibrationPanel
 from widgets.panels.ghosts import GhostsPanel
 from widgets.panels.history import HistoryPanel
 from widgets.panels.jobs import JobsPanel
@@ -29,8 +30,8 @@ from widgets.panels.pick import PickPanel
 from widgets.panels.scans import ScansPanel
 from widgets.panels.wrinkles import WrinklesPanel
 
-PANELS = (AnglesPanel, GhostsPanel, HistoryPanel, JobsPanel, LeavesPanel, PhaseLabPanel, PickPanel,
-          ScansPanel, WrinklesPanel)  # fmt: skip
+PANELS = (AnglesPanel, CalibrationPanel, GhostsPanel, HistoryPanel, JobsPanel, LeavesPanel,
+          PhaseLabPanel, PickPanel, ScansPanel, WrinklesPanel)  # fmt: skip
 SPEAKING = (QAbstractButton, QAbstractItemView, QAbstractSlider, QAbstractSpinBox, QComboBox,
             QProgressBar, Plot)  # fmt: skip
 DARK = {"Window": "#22272d", "Base": "#191d22", "Text": "#e7ebee", "WindowText": "#e7ebee"}

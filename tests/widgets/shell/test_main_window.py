@@ -128,8 +128,10 @@ def test_docks_come_back(window: MainWindow, qtbot: QtBot) -> None:
     qtbot.waitUntil(lambda: window.docks.docks["ghosts"].titleBarWidget() is not None)
     before = list_bars()
     assert before == [
-        ["Leaves", "Jobs"], ["Phase lab", "Δω", "Ghosts", "Angles"], ["Scans", "Point", "History"],
-    ]  # fmt: skip
+        ["Leaves", "Jobs"],
+        ["Phase lab", "Δω", "Ghosts", "Angles", "Calibration"],
+        ["Scans", "Point", "History"],
+    ]
     window.docks.docks["ghosts"].setFloating(True)
     window.docks.docks["leaves"].close()
     qtbot.waitUntil(lambda: window.docks.docks["ghosts"].titleBarWidget() is None)

@@ -73,7 +73,12 @@ def test_the_strip_shows_the_colours_of_its_values(bar: ColourBarWidget) -> None
 
 
 def test_flags_and_classes_have_no_handles(bar: ColourBarWidget) -> None:
-    for kind, name in (("flag", "flag"), ("class", "leaves"), ("verdict", "verdict")):
+    for kind, name in (
+        ("flag", "flag"),
+        ("class", "leaves"),
+        ("verdict", "verdict"),
+        ("mark", "marks"),
+    ):
         bar.show_bar(ColourBar("f", "F", "", kind, name, 0.0, 1.0), np.array([0.0, 1.0]))
         seen: list[object] = []
         bar.limits_changed.connect(lambda *limits, seen=seen: seen.append(limits))
