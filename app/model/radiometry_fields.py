@@ -7,7 +7,7 @@ from contextlib import suppress
 import numpy as np
 
 from app.core.arrays import Bools, Floats, Ints
-from app.core.errors import MissingChannel
+from app.core.errors import MissingChannel, WrongUse
 from app.core.radiometry.budget import Budget, error_budget
 from app.core.radiometry.marks import PARTIAL, WORDS, reflect
 from app.core.radiometry.profile import ChannelCalibration, Profile
@@ -94,6 +94,14 @@ def power_of(parameters: Parameters, calibration: ChannelCalibration) -> ScanPow
     """Laser power of the scan for a channel; 1 where nobody said."""
     said = [power for power in parameters.powers if power.channel == calibration.name]
     return said[0] if said else ScanPower(calibration.name)
+
+
+def find_calibration(parameters: Parameters, channel: str) -> ChannelCalibration:
+    """The calibration of a channel; raises `WrongUse` where no profile in use gives it."""
+    for calibration in parameters.profile.channels if parameters.profile else ():
+        if calibration.name == channel:
+            return calibration
+    raise WrongUse(f"{channel} is no channel of a profile in use.", "Open or make a profile first.")
 
 
 def _measured(

@@ -22,7 +22,7 @@ from app.model.points import PointSet
 from app.model.project import Project
 from app.model.selection import Explicit, FieldRange, Selection
 from app.model.state import make_key, next_leaf_key
-from app.services.radiometry import explain_reflectance
+from app.services.error_budget import explain_reflectance
 
 # A segment that shares more than this with a leaf is that leaf, seen with another border.
 SAME_LEAF = 0.3

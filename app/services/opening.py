@@ -25,7 +25,8 @@ from app.model.operations import (
 )
 from app.model.project import Project
 from app.model.scan import Channel, ChannelKind, Pose, Scan, Vector
-from app.services.radiometry import apply_profile, parse_powers, take_partial_hits, use_powers
+from app.services.laser_power import parse_powers, use_powers
+from app.services.radiometry import apply_profile, take_partial_hits
 from app.services.reading import read_file
 
 KINDS: dict[str, ChannelKind] = {

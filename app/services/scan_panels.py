@@ -22,7 +22,7 @@ from app.model.project import Project
 from app.model.scan import Scan
 from app.services.beams import name_instrument
 from app.services.calibrate import UNNAMED, CalibrationReport, Naming, report_channel
-from app.services.radiometry import PanelReading, measure_panel
+from app.services.panel_readings import PanelReading, measure_panel
 from app.simulate.detector import Ideal
 
 MOST_SATURATED = 0.01

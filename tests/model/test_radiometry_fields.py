@@ -19,7 +19,8 @@ from app.model.operations import AddScan, SetParameters
 from app.model.parameters import ScanPower
 from app.model.project import Project
 from app.model.scan import Channel, Pose, Scan
-from app.services.radiometry import apply_profile, check_profile, use_powers
+from app.services.laser_power import use_powers
+from app.services.radiometry import apply_profile, check_profile
 
 ZERO3 = ((0.0,) * 3,) * 3
 CURVE = PolynomialCurve("additive", (1.0, 3.56, 10.0), (30.0, 0.0, -200.0), 3.56)

@@ -21,19 +21,14 @@ from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Channel, Pose, Scan
 from app.services.compute import compute_file
+from app.services.error_budget import explain_reflectance
 from app.services.export import export
+from app.services.laser_power import parse_powers, power_from_panel, use_powers
 from app.services.leaves import leaves_from_labels, measure_leaves
 from app.services.opening import Opening
+from app.services.panel_readings import measure_panel
 from app.services.profiles import find_profile
-from app.services.radiometry import (
-    apply_profile,
-    explain_reflectance,
-    measure_panel,
-    parse_powers,
-    power_from_panel,
-    take_partial_hits,
-    use_powers,
-)
+from app.services.radiometry import apply_profile, take_partial_hits
 from app.simulate.virtual_scan import simulate
 
 STEPS = (InverseSquare(5.0), Power(), LogResponse(600.0, 1784.0))

@@ -14,7 +14,7 @@ from app.core.progress import Progress
 from app.core.radiometry.profile import ChannelCalibration
 from app.model.calibrated import calibrated_channels
 from app.model.fields import Same
-from app.services.radiometry import Explained, explain_reflectance
+from app.services.error_budget import Explained, explain_reflectance
 from widgets.common.aside import copy_aside
 from widgets.common.calibration.budget_bars import BudgetBars
 from widgets.common.calibration.profile_words import title_channel

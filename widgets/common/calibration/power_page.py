@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from app.core.progress import Progress
 from app.model.fields import Same
 from app.model.parameters import ScanPower
-from app.services.radiometry import power_from_panel, use_powers
+from app.services.laser_power import power_from_panel, use_powers
 from app.services.scan_panels import guess_reflectance
 from widgets.common.aside import copy_aside
 from widgets.common.calibration.profile_words import is_power

@@ -1,0 +1,131 @@
+"""Power of the laser in a scan, from a panel of known reflectance, or as somebody says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from msgspec.structs import replace
+
+from app.core.arrays import Ints
+from app.core.errors import BadInput, WrongUse
+from app.core.progress import QUIET, Progress
+from app.core.radiometry.drift import Power
+from app.core.radiometry.profile import ChannelCalibration
+from app.model.operations import SetParameters
+from app.model.parameters import ScanPower
+from app.model.project import Project
+from app.model.radiometry_fields import find_calibration, power_of
+from app.services.panel_readings import FEWEST
+
+
+def power_from_panel(
+    project: Project,
+    scan: str,
+    points: Ints,
+    reflectance: float,
+    sigma: float = 0.0,
+    panel: str = "",
+    progress: Progress = QUIET,
+) -> tuple[ScanPower, ...]:
+    """Power of the laser in a scan, from a panel of known reflectance in it (Junttila 2016, 2.5).
+
+    Parameters
+    ----------
+    points : (k,) rows of the panel's points
+    reflectance, sigma : float
+        Of the panel, a fraction.
+    panel : str
+        What it is called, for the origin that is kept.
+
+    Returns
+    -------
+    tuple of ScanPower
+        One per calibrated channel that has a laser power and that the scan has.
+
+    Raises
+    ------
+    WrongUse
+        No profile is in use, it knows no laser power, or the reflectance is not a fraction.
+    BadInput
+        The panel has too few points with a reflectance.
+    """
+    state = project.state.scan(scan)
+    if state.parameters.profile is None:
+        raise WrongUse("The laser's power needs a profile.", "Open or make one first.")
+    if not 0.0 < reflectance <= 1.5:
+        raise WrongUse(
+            f"A panel's reflectance is a fraction such as 0.5, not {reflectance:g}.",
+            "Divide percent by 100.",
+        )
+    points = points[state.alive[points]]
+    there = {channel.name for channel in state.channels}
+    found = []
+    for calibration in state.parameters.profile.channels:
+        if calibration.name in there and _has_power(calibration):
+            value, spread = _measure_power(project, scan, calibration, points, progress)
+            share = np.hypot(spread, sigma / reflectance)
+            value /= reflectance
+            found.append(
+                ScanPower(calibration.name, value, float(value * share), _tell(panel, reflectance))
+            )
+    if not found:
+        raise WrongUse("The profile in use knows no laser power.", "It was made without drift.")
+    return tuple(found)
+
+
+def use_powers(project: Project, scan: str, powers: tuple[ScanPower, ...]) -> None:
+    """Take powers of the laser for a scan (none: 1 again); one step to undo.
+
+    Raises
+    ------
+    WrongUse
+        One is for a channel that the profile in use does not have, or whose power it ignores.
+    """
+    parameters = project.state.scan(scan).parameters
+    for power in powers:
+        if not _has_power(find_calibration(parameters, power.channel)):
+            raise WrongUse(f"The profile in use knows no laser power of {power.channel}.")
+    project.do(SetParameters(scan, replace(parameters, powers=powers)))
+
+
+def parse_powers(texts: Sequence[str]) -> tuple[ScanPower, ...]:
+    """Read ``CHANNEL=VALUE`` or ``CHANNEL=VALUE:SIGMA``; raises `WrongUse` for anything else."""
+    powers = []
+    for text in texts:
+        channel, _, rest = text.partition("=")
+        value, _, sigma = rest.partition(":")
+        try:
+            powers.append(ScanPower(channel, float(value), float(sigma or 0.0), "given"))
+        except ValueError as error:
+            raise WrongUse(
+                f"{text!r} does not say the laser's power.",
+                "Write CHANNEL=VALUE or CHANNEL=VALUE:SIGMA, e.g. reflectance_1545=0.93:0.01.",
+            ) from error
+    return tuple(powers)
+
+
+def _tell(panel: str, reflectance: float) -> str:
+    return f"panel of {100 * reflectance:.3g} %{f' in {panel}' if panel else ''}"
+
+
+def _has_power(calibration: ChannelCalibration) -> bool:
+    return any(isinstance(step, Power) for step in calibration.steps)
+
+
+def _measure_power(
+    project: Project, scan: str, calibration: ChannelCalibration, points: Ints, progress: Progress
+) -> tuple[float, float]:
+    """Mean reflectance of points at a power of 1, and its relative standard error."""
+    seen = project.field(scan, calibration.name, points, progress)
+    seen = (
+        seen[np.isfinite(seen)] * power_of(project.state.scan(scan).parameters, calibration).value
+    )
+    if len(seen) < FEWEST:
+        raise BadInput(
+            f"Only {len(seen)} of {len(points)} points of the panel have a {calibration.name}, and "
+            f"the laser's power needs {FEWEST}.",
+            "See the marks: they may be saturated, or outside the calibrated ranges.",
+        )
+    mean = float(np.mean(seen))
+    return mean, float(np.std(seen, ddof=1) / np.sqrt(len(seen)) / mean)
