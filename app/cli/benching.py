@@ -108,6 +108,30 @@ def planes(
 
 
 @bench.command
+def radiometry(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure time and error of the way from number to reflectance, and prove its error budget.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    quick
+        Few points and seeds: some seconds instead of five minutes.
+    """
+    from app.services.bench.radiometry.run import bench_radiometry, refuse_bench_radiometry
+
+    if out is not None:
+        refuse_bench_radiometry(out, overwrite)
+    finish(bench_radiometry(quick, watch()), out, json, overwrite)
+
+
+@bench.command
 def stability(
     *,
     out: Path | None = None,
@@ -115,12 +139,12 @@ def stability(
     json: Json = False,
     overwrite: Overwrite = False,
 ) -> None:
-    """Check that what must not change an angle of incidence does not.
+    """Check that what must not change an angle of incidence or a reflectance does not.
 
     Parameters
     ----------
     out
-        Folder for the table as CSV and JSON.
+        Folder for the tables as CSV and JSON.
     quick
         Smaller scans.
     """

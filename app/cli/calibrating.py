@@ -15,7 +15,7 @@ from app.core.errors import WrongUse
 
 if TYPE_CHECKING:
     from app.core.radiometry.profile import Noise
-    from app.services.calibrate import CalibrationReport, ChannelReport
+    from app.services.calibrate import CalibrationReport, ChannelReport, Naming
 
 
 @Parameter(name="*")
@@ -57,9 +57,11 @@ class Result:
     instrument: str = ""
     "Short name of the instrument (see profiles): its model and scale, where not given here."
     point_noise: str | None = None
-    "Noise of a single point, CONSTANT or CONSTANT,SHARE in DN (default: that of the rows)."
+    "Noise of a single point, CONSTANT[,SHARE[,LIGHT]]: DN, share of the DN, share of the light."
     margin: float = 0.0
     "Metres beyond the panels' ranges where the profile is to hold as well."
+    range_noise: float = 0.0
+    "σ of a range, mm, for its part in the error budget."
     any_range: bool = False
     "The profile holds at any range: the instrument has taken the effect of range out."
 
@@ -96,7 +98,7 @@ def calibrate(
         Markdown file to write, with a picture of the same name (.png).
     """
     from app.core.radiometry.calibration import Wishes
-    from app.services.calibrate import Naming, calibrate_table
+    from app.services.calibrate import calibrate_table
     from app.services.calibration_report import refuse_calibration, write_calibration
     from app.services.instrument_facts import choose_calibration
     from app.services.panel_columns import TableOptions
@@ -114,9 +116,7 @@ def calibrate(
         panels.saturated,
     )
     model, options, wishes = choose_calibration(result.instrument, model, options, wishes)
-    noise = None if result.point_noise is None else parse_noise(result.point_noise)
-    naming = Naming(result.name, result.instrument, noise, result.margin, result.any_range)
-    found = calibrate_table(table, model, options, wishes, naming, watch())
+    found = calibrate_table(table, model, options, wishes, name_result(result), watch())
     written = write_calibration(found, out, report, overwrite)
     if json:
         print_json({**found.as_dict(), "files": [str(path) for path in written]})
@@ -149,16 +149,31 @@ def profiles(*, json: Json = False) -> None:
             say(f"  {note}")
 
 
+def name_result(result: Result) -> Naming:
+    """What the service is told about the profile."""
+    from app.core.units import MM_PER_M
+    from app.services.calibrate import Naming
+
+    return Naming(
+        result.name,
+        result.instrument,
+        None if result.point_noise is None else parse_noise(result.point_noise),
+        result.margin,
+        result.any_range,
+        result.range_noise / MM_PER_M,
+    )
+
+
 def parse_noise(text: str) -> Noise:
-    """Noise of a point, ``CONSTANT`` or ``CONSTANT,SHARE``; raises `WrongUse` for anything else."""
+    """Noise of a point, ``CONSTANT[,SHARE[,LIGHT]]``; raises `WrongUse` for anything else."""
     from app.core.radiometry.profile import Noise
 
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
         values = []
-    if len(values) not in (1, 2):
-        raise WrongUse(f"{text!r} is no noise.", "Write CONSTANT or CONSTANT,SHARE, e.g. 1,0.01.")
+    if len(values) not in (1, 2, 3):
+        raise WrongUse(f"{text!r} is no noise.", "Write CONSTANT[,SHARE[,LIGHT]], e.g. 1,0.01.")
     return Noise(*values)
 
 

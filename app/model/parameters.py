@@ -72,12 +72,16 @@ class ScanPower(msgspec.Struct, frozen=True):
     sigma : float
     origin : str
         Where it comes from in words, e.g. "panel of 50 % in Leaf 3".
+    pull : tuple of float
+        Derivative of the power by the parameters of the channel's chain, where it was measured
+        with the profile in use: panel and target then share errors. Empty: measured otherwise.
     """
 
     channel: str
     value: float = 1.0
     sigma: float = 0.0
     origin: str = ""
+    pull: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         check_power(self.value)

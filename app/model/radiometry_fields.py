@@ -87,13 +87,20 @@ def budget_at(
     number, distance = _measured(calibration, evaluation, points)
     power = power_of(evaluation.subject.state.parameters, calibration)
     reflectance = evaluation.read(calibration.name, points)
-    return error_budget(calibration, reflectance, number, distance, power.value, power.sigma)
+    return error_budget(
+        calibration, reflectance, number, distance, power.value, power.sigma, pull_of(power)
+    )
 
 
 def power_of(parameters: Parameters, calibration: ChannelCalibration) -> ScanPower:
     """Laser power of the scan for a channel; 1 where nobody said."""
     said = [power for power in parameters.powers if power.channel == calibration.name]
     return said[0] if said else ScanPower(calibration.name)
+
+
+def pull_of(power: ScanPower) -> Floats | None:
+    """How errors of the calibration move a power, (k,); None where it does not rest on it."""
+    return np.array(power.pull) if power.pull else None
 
 
 def find_calibration(parameters: Parameters, channel: str) -> ChannelCalibration:

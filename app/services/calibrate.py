@@ -46,6 +46,8 @@ class Naming:
         Of a single point, where it is known: rows of a table are means of many.
     margin : float
         Metres beyond the panels' ranges where the profile is to hold as well.
+    range_sigma : float
+        σ of a range, metres; 0: unknown, and without a part in the budget.
     any_range : bool
         It holds everywhere: the instrument has taken the effect of range out.
     """
@@ -55,6 +57,7 @@ class Naming:
     point_noise: Noise | None = None
     margin: float = 0.0
     any_range: bool = False
+    range_sigma: float = 0.0
 
 
 UNNAMED = Naming()
@@ -167,6 +170,7 @@ def report_channel(
     elif channel.nearest is not None and channel.farthest is not None:
         nearest = max(channel.nearest - naming.margin, 0.0)
         channel = replace(channel, nearest=nearest, farthest=channel.farthest + naming.margin)
+    channel = replace(channel, range_sigma=naming.range_sigma)
     if naming.point_noise is not None:
         channel = replace(channel, noise=naming.point_noise)
     try:

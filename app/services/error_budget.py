@@ -13,7 +13,7 @@ from app.core.radiometry.budget import PARTS, mean_budget
 from app.core.radiometry.marks import WORDS
 from app.model.calibrated import find_source
 from app.model.project import Project
-from app.model.radiometry_fields import MARK, find_calibration, power_of
+from app.model.radiometry_fields import MARK, find_calibration, power_of, pull_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,9 @@ def explain_reflectance(
         project.field(scan, "range", points) if calibration.needs_range else np.ones(len(points))
     )
     power = power_of(state.parameters, calibration)
-    budget = mean_budget(calibration, values, number, distance, power.value, power.sigma)
+    budget = mean_budget(
+        calibration, values, number, distance, power.value, power.sigma, pull_of(power)
+    )
     known = values[np.isfinite(values)]
     counts = np.bincount(marks, minlength=len(WORDS))
     return Explained(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from msgspec.structs import replace
@@ -11,12 +12,24 @@ from app.core.arrays import Ints
 from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
 from app.core.radiometry.drift import Power
+from app.core.radiometry.power import measure_power
 from app.core.radiometry.profile import ChannelCalibration
+from app.model.calibrated import find_source
 from app.model.operations import SetParameters
 from app.model.parameters import ScanPower
 from app.model.project import Project
-from app.model.radiometry_fields import find_calibration, power_of
+from app.model.radiometry_fields import find_calibration
 from app.services.panel_readings import FEWEST
+
+TINY = 1e-9
+
+
+class Known(NamedTuple):
+    """What is known of a panel: its reflectance, how sure, and where it stands in words."""
+
+    reflectance: float
+    sigma: float
+    origin: str
 
 
 def power_from_panel(
@@ -60,15 +73,14 @@ def power_from_panel(
         )
     points = points[state.alive[points]]
     there = {channel.name for channel in state.channels}
-    found = []
-    for calibration in state.parameters.profile.channels:
-        if calibration.name in there and _has_power(calibration):
-            value, spread = _measure_power(project, scan, calibration, points, progress)
-            share = np.hypot(spread, sigma / reflectance)
-            value /= reflectance
-            found.append(
-                ScanPower(calibration.name, value, float(value * share), _tell(panel, reflectance))
-            )
+    known = Known(reflectance, sigma, f"panel of {100 * reflectance:.3g} %")
+    if panel:
+        known = known._replace(origin=f"{known.origin} in {panel}")
+    found = [
+        _measure_power(project, scan, calibration, points, known, progress)
+        for calibration in state.parameters.profile.channels
+        if calibration.name in there and _has_power(calibration)
+    ]
     if not found:
         raise WrongUse("The profile in use knows no laser power.", "It was made without drift.")
     return tuple(found)
@@ -86,6 +98,8 @@ def use_powers(project: Project, scan: str, powers: tuple[ScanPower, ...]) -> No
     for power in powers:
         if not _has_power(find_calibration(parameters, power.channel)):
             raise WrongUse(f"The profile in use knows no laser power of {power.channel}.")
+        if len(power.pull) not in (0, len(find_calibration(parameters, power.channel).free)):
+            raise WrongUse(f"The power of {power.channel} was measured with another profile.")
     project.do(SetParameters(scan, replace(parameters, powers=powers)))
 
 
@@ -105,27 +119,34 @@ def parse_powers(texts: Sequence[str]) -> tuple[ScanPower, ...]:
     return tuple(powers)
 
 
-def _tell(panel: str, reflectance: float) -> str:
-    return f"panel of {100 * reflectance:.3g} %{f' in {panel}' if panel else ''}"
-
-
 def _has_power(calibration: ChannelCalibration) -> bool:
     return any(isinstance(step, Power) for step in calibration.steps)
 
 
 def _measure_power(
-    project: Project, scan: str, calibration: ChannelCalibration, points: Ints, progress: Progress
-) -> tuple[float, float]:
-    """Mean reflectance of points at a power of 1, and its relative standard error."""
-    seen = project.field(scan, calibration.name, points, progress)
-    seen = (
-        seen[np.isfinite(seen)] * power_of(project.state.scan(scan).parameters, calibration).value
-    )
-    if len(seen) < FEWEST:
+    project: Project,
+    scan: str,
+    calibration: ChannelCalibration,
+    points: Ints,
+    known: Known,
+    progress: Progress,
+) -> ScanPower:
+    """Power from the points of a panel that have a reflectance; the panel's own σ is one error."""
+    whole = project.state.scan(scan).scan
+    good = np.isfinite(project.field(scan, calibration.name, points, progress))
+    count = int(np.count_nonzero(good))
+    if count < FEWEST:
         raise BadInput(
-            f"Only {len(seen)} of {len(points)} points of the panel have a {calibration.name}, and "
-            f"the laser's power needs {FEWEST}.",
+            f"Only {count} of {len(points)} points of the panel have a {calibration.name}, and the "
+            f"laser's power needs {FEWEST}.",
             "See the marks: they may be saturated, or outside the calibrated ranges.",
         )
-    mean = float(np.mean(seen))
-    return mean, float(np.std(seen, ddof=1) / np.sqrt(len(seen)) / mean)
+    number = project.field(scan, find_source(calibration, whole), points[good])
+    distance = np.ones(count)
+    if calibration.needs_range:
+        distance = calibration.hold(project.field(scan, "range", points[good]))
+    told = None if calibration.noise else np.full(count, max(float(np.std(number)), TINY))
+    rho = np.full(count, known.reflectance)
+    power, spread, pull = measure_power(calibration, number, distance, rho, 0.0, told)
+    sigma = float(np.hypot(spread, power * known.sigma / known.reflectance))
+    return ScanPower(calibration.name, power, sigma, known.origin, tuple(map(float, pull)))

@@ -10,12 +10,14 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from app.core.arrays import AnyArray, Ints
+from app.core.arrays import AnyArray, Floats, Ints
 from app.core.errors import BadInput
+from app.core.planes import robust_plane
 from app.core.progress import QUIET, Progress
+from app.core.radiometry import chain as chains
 from app.core.radiometry.calibration import BY_RULE, Wishes
 from app.core.radiometry.models import CalibrationModel
-from app.core.radiometry.noise import estimate_noise
+from app.core.radiometry.noise import estimate_point_noise
 from app.core.radiometry.panels import PanelTable, make_table
 from app.core.radiometry.profile import ChannelCalibration, Noise, Profile
 from app.model.project import Project
@@ -27,6 +29,9 @@ from app.simulate.detector import Ideal
 
 MOST_SATURATED = 0.01
 """Share of a panel's points at the end of the scale above which its mean is too low."""
+UNKNOWN = Noise()
+TO_SIGMA = 1.4826
+"""σ of normal noise over its median absolute deviation."""
 PERCENT = re.compile(r"(\d+(?:[.,]\d+)?)\s*%")
 
 
@@ -64,6 +69,8 @@ class SeenPanel:
         Share of its points at the end of the scale.
     nearest, farthest : float
         Ranges of its points, metres, without those that lie far off it.
+    roughness : float
+        σ of its points about their plane, metres: the noise of ranges on a flat panel.
     """
 
     panel: KnownPanel
@@ -71,6 +78,7 @@ class SeenPanel:
     saturated: float
     nearest: float
     farthest: float
+    roughness: float
 
     @property
     def usable(self) -> bool:
@@ -119,7 +127,8 @@ def see_panels(
         ends = _find_ends(project.field(panel.scan, "range", alive))
         # Numbers that are all the same can only be the end of the scale, whatever was said.
         share = float(np.mean(values >= limit)) if reading.sigma > 0.0 else 1.0
-        seen.append(SeenPanel(panel, reading, share, *ends))
+        roughness = _measure_roughness(project.state.scan(panel.scan).scan.xyz[alive])
+        seen.append(SeenPanel(panel, reading, share, *ends, roughness))
     return seen
 
 
@@ -176,8 +185,12 @@ def calibrate_panels(
     progress.report(0.7, "Fitting")
     table = tabulate(project, seen, *channel)
     used = [each for each in seen if each.usable]
-    naming = replace(naming, point_noise=naming.point_noise or _estimate_noise(used))
-    found = report_channel(table, model, wishes, naming)
+    # A noise is named before the fit so that nobody is warned of that of the rows.
+    found = report_channel(table, model, wishes, replace(naming, point_noise=UNKNOWN))
+    noise = naming.point_noise or _estimate_noise(found.channel, table, used)
+    sigma = naming.range_sigma or float(np.sqrt(np.mean([each.roughness**2 for each in used])))
+    made = msgspec.structs.replace(found.channel, noise=noise, range_sigma=sigma)
+    found = replace(found, channel=made)
     if not model.fits_range:  # a curve over range ends at the means
         found = replace(found, channel=_widen(found.channel, used, naming.margin))
     named = ", ".join(table.panels)
@@ -187,10 +200,27 @@ def calibrate_panels(
     return CalibrationReport(profile, ", ".join(table.scans), (found,), ()), tuple(seen)
 
 
-def _estimate_noise(used: Sequence[SeenPanel]) -> Noise:
-    """Noise of a point, from how the points of panels scatter."""
+def _estimate_noise(
+    found: ChannelCalibration, table: PanelTable, used: Sequence[SeenPanel]
+) -> Noise:
+    """Noise of a point, from how the points of panels scatter.
+
+    The powers of the scans do not matter: each number tells its own light.
+    """
     scatter = np.array([each.reading.sigma * np.sqrt(each.reading.n) for each in used])
-    return estimate_noise(scatter, np.array([each.reading.dn for each in used]), 0)
+    light = chains.invert(found.steps, table.dn, found.hold(table.distance))
+    echo = light * chains.linearise(found.steps, light, found.hold(table.distance)).slope
+    known = np.isfinite(echo)
+    return estimate_point_noise(scatter[known], table.dn[known], echo[known])
+
+
+def _measure_roughness(xyz: Floats) -> float:
+    """Scatter about the plane of a panel, metres; 0 where its points span no plane."""
+    try:
+        plane = robust_plane(xyz)
+    except BadInput:
+        return 0.0
+    return float(TO_SIGMA * np.median(np.abs((xyz - plane.point) @ plane.normal)))
 
 
 def _widen(

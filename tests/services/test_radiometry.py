@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as replace_struct
 
 from app.core.errors import BadInput, WrongUse
 from app.core.radiometry import chain as chains
@@ -214,3 +215,17 @@ def test_a_file_is_computed_with_a_profile_and_the_report_says_so(tmp_path: Path
         bright = np.nanmax(out["reflectance_1063"])
         assert bright > 1.5  # half the power: twice the reflectance
         assert np.isnan(out["ndi"][np.isnan(out["reflectance_1063"])]).all()
+
+
+def test_errors_that_panel_and_target_share_cancel(project: Project) -> None:
+    apply_profile(project, KEY, PROFILE)
+    before = explain_reflectance(project, KEY, "reflectance_785", PANEL)
+    use_powers(project, KEY, power_from_panel(project, KEY, PANEL, GREY))
+    after = explain_reflectance(project, KEY, "reflectance_785", PANEL)
+    for part in ("fit", "panels"):  # the panel itself is as sure as its own reflectance
+        assert after.parts[part] < 0.02 * before.parts[part]
+    assert after.reflectance == pytest.approx(GREY, rel=1e-3)
+    other = project.state.scan(KEY).parameters.powers[0]
+    apply_profile(project, KEY, replace_steps((Power(), LogResponse(600.0, 1784.0))))
+    with pytest.raises(WrongUse, match="another profile"):
+        use_powers(project, KEY, (replace_struct(other, pull=(*other.pull, 0.0)),))

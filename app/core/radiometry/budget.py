@@ -45,6 +45,7 @@ def error_budget(
     distance: Floats,
     power: float = 1.0,
     power_sigma: float = 0.0,
+    power_pull: Floats | None = None,
 ) -> Budget:
     """σ of each reflectance, by linear propagation through the chain; NaN for unknown parts.
 
@@ -61,12 +62,17 @@ def error_budget(
         Metres.
     power, power_sigma : float
         Laser power of the scan and its σ.
+    power_pull : (k,) array, optional
+        Derivative of the power by the parameters of the chain, where it was measured with this
+        calibration (`power.measure_power`): errors that panel and target share cancel.
     """
     pieces = max(1, -(-len(reflectance) // _AT_ONCE))
     rows = np.array_split(np.arange(len(reflectance)), pieces)
     distance = np.broadcast_to(np.asarray(distance, float), reflectance.shape)
     budgets = [
-        _propagate(calibration, reflectance[r], number[r], distance[r], power, power_sigma)
+        _propagate(
+            calibration, reflectance[r], number[r], distance[r], power, power_sigma, power_pull
+        )
         for r in rows
     ]
     return Budget(*(np.concatenate(part) for part in zip(*budgets, strict=True)))
@@ -79,6 +85,7 @@ def mean_budget(
     distance: Floats,
     power: float = 1.0,
     power_sigma: float = 0.0,
+    power_pull: Floats | None = None,
 ) -> Budget:
     """Budget of the mean reflectance of points, one value per part, (1,) arrays.
 
@@ -91,7 +98,7 @@ def mean_budget(
     distance = np.broadcast_to(np.asarray(distance, float), reflectance.shape)[known]
     rho, count = reflectance[known], int(known.sum())
     each = _derive(calibration, rho, distance, power)
-    by_parameter = (each.gradient / each.slope).mean(axis=1)
+    by_parameter = _pull(each, rho, power, power_pull).mean(axis=1)
     alone = error_budget(calibration, rho, number[known], distance, power, power_sigma)
     return Budget(
         np.sqrt(np.sum(alone.noise**2, keepdims=True)) / count,
@@ -109,11 +116,13 @@ def _propagate(
     distance: Floats,
     power: float,
     power_sigma: float,
+    power_pull: Floats | None,
 ) -> Budget:
     each = _derive(calibration, reflectance, distance, power)
-    by_parameter = each.gradient / each.slope
+    by_parameter = _pull(each, reflectance, power, power_pull)
     unknown = np.where(np.isfinite(reflectance), 0.0, np.nan)
-    noise = calibration.noise.sigma(number) if calibration.noise else np.nan
+    echo = reflectance * each.slope
+    noise = calibration.noise.sigma(number, echo) if calibration.noise else np.nan
     return Budget(
         noise / np.abs(each.slope) + unknown,
         _project(calibration.covariance("fit"), by_parameter) + unknown,
@@ -128,6 +137,14 @@ def _derive(
 ) -> chains.Linearised:
     steps = chains.with_power(calibration.steps, power)
     return chains.linearise(steps, reflectance, calibration.hold(distance))
+
+
+def _pull(
+    each: chains.Linearised, reflectance: Floats, power: float, power_pull: Floats | None
+) -> Floats:
+    """Derivative of a reflectance by the parameters, but for its sign, (k, n)."""
+    direct = each.gradient / each.slope
+    return direct if power_pull is None else direct + np.outer(power_pull, reflectance) / power
 
 
 def _project(covariance: Floats, gradient: Floats) -> Floats:

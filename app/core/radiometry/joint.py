@@ -176,7 +176,8 @@ def fit_jointly(
     weighted = jacobian / sigma[:, None]
     singular, turned, lengths = decompose(weighted, found.names)
     residual = table.dn - fitted
-    scale = float(np.sqrt(np.sum((residual / sigma) ** 2) / freedom))
+    rest, used = _leave_noise(table, found, sigma)
+    scale = float(np.sqrt(np.sum((rest / sigma) ** 2) / (len(table) - used)))
     inverse = (turned.T / singular) / lengths[:, None]
     noise_part = scale**2 * inverse @ inverse.T
     pulls = inverse @ inverse.T @ (weighted.T / sigma) * slope
@@ -184,13 +185,36 @@ def fit_jointly(
     vague = found.positive() & (np.sqrt(np.diag(noise_part)) > VAGUE)
     if vague.any():
         raise Undetermined(tuple(name for name, at in zip(found.names, vague, strict=True) if at))
-    known = _describe_noise(table, fitted, sigma, freedom, noise)
+    known = _describe_noise(table, fitted, sigma, scale, noise, (rest, used))
     stretch = np.outer(found.stretch(), found.stretch())
-    low, high = _find_interval(found, noise_part, panel_part, freedom)
+    low, high = _find_interval(found, noise_part, panel_part, len(table) - used)
     return JointFit(
         found, noise_part * stretch, panel_part * stretch, low, high,
         known, scale, freedom, fitted, residual, sigma, singular,
     )  # fmt: skip
+
+
+def _leave_noise(table: PanelTable, found: Unknowns, sigma: Floats) -> tuple[Floats, int]:
+    """What a fit leaves over but for errors of the panels, DN, and how many directions it took.
+
+    A panel whose reflectance is unsure may be off in all of its rows alike. That error is in
+    the covariance of the panels, and is not to be counted as noise once more.
+    """
+    value, jacobian, slope = predict(found, table)
+    residual = (table.dn - value) / sigma
+    unsure = {p: table.panel == p for p in table.panels if _is_unsure(table, p)}
+    columns = np.column_stack([jacobian, *(np.where(mine, slope, 0.0) for mine in unsure.values())])
+    columns = columns / sigma[:, None]
+    columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
+    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+    left = left[:, singular > SINGULAR * singular[0]]
+    if left.shape[1] >= len(table):  # as many panels as rows: nothing tells them apart
+        return residual * sigma, len(found)
+    return (residual - left @ (left.T @ residual)) * sigma, left.shape[1]
+
+
+def _is_unsure(table: PanelTable, panel: str) -> bool:
+    return bool(table.reflectance_sigma[table.panel == panel].any())
 
 
 def decompose(weighted: Floats, names: tuple[str, ...]) -> tuple[Floats, Floats, Floats]:
@@ -257,7 +281,8 @@ def _iterate(
         fitted = predict(found, table)[0]
         if table.dn_sigma is not None:
             break
-        kept = noise or estimate_noise(table.dn - fitted, fitted, len(found))
+        rest, used = _leave_noise(table, found, sigma)
+        kept = noise or estimate_noise(rest, fitted, used)
         before, sigma = sigma, kept.sigma(fitted)
         if np.allclose(sigma, before, rtol=SETTLED):
             break
@@ -274,13 +299,12 @@ def _first_sigma(table: PanelTable, noise: Noise | None) -> Floats:
 
 
 def _describe_noise(
-    table: PanelTable, fitted: Floats, sigma: Floats, freedom: int, noise: Noise | None
-) -> Noise:
+    table: PanelTable, fitted: Floats, sigma: Floats, scale: float, noise: Noise | None,
+    left: tuple[Floats, int],
+) -> Noise:  # fmt: skip
     """The noise as the profile tells it."""
-    residual = table.dn - fitted
-    scale = float(np.sqrt(np.sum((residual / sigma) ** 2) / freedom))
     if table.dn_sigma is None and noise is None:
-        return estimate_noise(residual, fitted, len(table) - freedom)
+        return estimate_noise(left[0], fitted, left[1])
     if noise is not None and table.dn_sigma is None:
         return Noise(noise.constant * scale, noise.share * scale)
     return estimate_noise(scale * sigma, fitted, 0)

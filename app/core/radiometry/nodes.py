@@ -43,7 +43,8 @@ def find_ranges(distance: Floats) -> Floats:
     rising = np.sort(distance)
     gaps = np.diff(rising) > np.maximum(NEAR, TOGETHER * rising[1:])
     groups = np.split(rising, np.flatnonzero(gaps) + 1)
-    found = np.array([group.mean() for group in groups])
+    # The mean of equal numbers may be off by a bit, and would be another range.
+    found = np.array([group[0] if group[0] == group[-1] else group.mean() for group in groups])
     found[0], found[-1] = rising[0], rising[-1]
     return found
 

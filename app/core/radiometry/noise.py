@@ -7,9 +7,34 @@ import numpy as np
 from app.core.arrays import Floats
 from app.core.radiometry.profile import Noise
 
+ROUNDS = 8
 MIXES = np.linspace(-18.0, 18.0, 73)
 """ln of the part in proportion over the constant part, at the largest number."""
 TINY = 1e-300
+
+
+def estimate_point_noise(scatter: Floats, number: Floats, echo: Floats) -> Noise:
+    """Noise of single points, from how the points of panels scatter.
+
+    Non-negative least squares of the variances, each weighted by its own, in turns.
+
+    Parameters
+    ----------
+    scatter, number : (n,) arrays
+        Standard deviation and mean of each panel's points, DN.
+    echo : (n,) array
+        Reflectance times the derivative of the number by it, DN; see `Noise.sigma`.
+    """
+    from scipy.optimize import nnls
+
+    variance = scatter**2
+    columns = np.stack([np.ones(len(number)), number**2, echo**2], axis=1)
+    lengths = np.maximum(np.linalg.norm(columns, axis=0), TINY)
+    fitted, parts = np.maximum(variance, TINY), np.zeros(3)
+    for _ in range(ROUNDS):
+        parts = nnls(columns / lengths / fitted[:, None], variance / fitted)[0] / lengths
+        fitted = np.maximum(columns @ parts, TINY)
+    return Noise(*map(float, np.sqrt(parts)))
 
 
 def estimate_noise(residual: Floats, fitted: Floats, parameters: int) -> Noise:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from app.core.arrays import Bools, Floats
@@ -12,6 +14,14 @@ from app.core.radiometry.profile import ChannelCalibration, Noise
 ROUNDS = 3
 
 
+class PowerFound(NamedTuple):
+    """Power of a scan, its σ, and its derivative by the parameters of the chain, (k,)."""
+
+    power: float
+    sigma: float
+    pull: Floats
+
+
 def measure_power(
     calibration: ChannelCalibration,
     number: Floats,
@@ -19,11 +29,11 @@ def measure_power(
     reflectance: Floats,
     reflectance_sigma: Floats | float = 0.0,
     number_sigma: Floats | None = None,
-) -> tuple[float, float]:
+) -> PowerFound:
     """Power of a scan as a share of that of the reference scan.
 
-    Each panel gives a power, the light that its number tells over its reflectance; their
-    weighted mean is taken.
+    Each panel, or each of its points, gives a power: the light that its number tells over its
+    reflectance. Their weighted mean is taken.
 
     Parameters
     ----------
@@ -36,9 +46,8 @@ def measure_power(
 
     Returns
     -------
-    power, sigma : float
-        σ from the numbers and the reflectances, NaN where no noise is known; that of the
-        calibration comes with the profile.
+    PowerFound
+        σ is NaN where no noise is known; `pull` tells what errors of the calibration do to it.
 
     Raises
     ------
@@ -49,26 +58,26 @@ def measure_power(
     light = np.where(_usable(calibration, number), chains.invert(steps, number, distance), np.nan)
     known = np.isfinite(light) & (light > 0)
     if not known.any():
-        raise BadInput(
-            "No panel of this scan gives a laser power.",
-            "Its numbers are dark, saturated or outside the calibration.",
-        )
+        why = "Its numbers are dark, saturated or outside the calibration."
+        raise BadInput("No panel of this scan gives a laser power.", why)
     dn, rho = number[known], reflectance[known]
     away = np.broadcast_to(distance, known.shape)[known]
     rho_share = np.broadcast_to(reflectance_sigma, known.shape)[known] / rho
     own = calibration.noise or Noise(1.0)
-    power, sigma = float(np.median(light[known] / rho)), np.inf
+    given = None if number_sigma is None else number_sigma[known]
+    power, sigma, pull = float(np.median(light[known] / rho)), np.inf, np.empty(0)
     for _ in range(ROUNDS):
         each = chains.linearise(steps, rho * power, away)
-        noise = own.sigma(each.value) if number_sigma is None else number_sigma[known]
+        noise = given if given is not None else own.sigma(each.value, each.slope * rho * power)
         variance = (noise / each.slope / rho) ** 2 + (power * rho_share) ** 2
         weight = 1.0 / np.maximum(variance, np.finfo(float).tiny)
         # A step of Gauss–Newton in the number: the light of a bright panel is a skew variable.
         apart = np.clip((dn - each.value) / each.slope / rho, -power / 2, power)
         power += float(np.sum(weight * apart) / np.sum(weight))
         sigma = float(np.sqrt(1.0 / np.sum(weight)))
+        pull = -(each.gradient / each.slope / rho) @ (weight / np.sum(weight))
     unknown = calibration.noise is None and number_sigma is None
-    return power, float("nan") if unknown else sigma
+    return PowerFound(power, float("nan") if unknown else sigma, pull)
 
 
 def _usable(calibration: ChannelCalibration, number: Floats) -> Bools:

@@ -17,7 +17,7 @@ Matrix = tuple[tuple[float, ...], ...]
 
 
 class Noise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Noise of one number: σ² = constant² + (share · DN)².
+    """Noise of one number: σ² = constant² + (share · DN)² + (light · echo)².
 
     Attributes
     ----------
@@ -25,18 +25,30 @@ class Noise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         DN.
     share : float
         Of the DN itself.
+    light : float
+        Of the light that comes back, before the amplifier: what it does to the number follows
+        from the slope of the response, steep below SALCA's knee and shallow above it.
     """
 
     constant: float = 0.0
     share: float = 0.0
+    light: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (0.0 <= self.constant < np.inf and 0.0 <= self.share < np.inf):
+        if not all(0.0 <= part < np.inf for part in (self.constant, self.share, self.light)):
             raise WrongUse("The noise of a channel must be a number from 0 on.")
 
-    def sigma(self, number: Floats) -> Floats:
-        """σ of numbers, (n,)."""
-        return np.asarray(np.hypot(self.constant, self.share * np.asarray(number)))
+    def sigma(self, number: Floats, echo: Floats | float = 0.0) -> Floats:
+        """σ of numbers, (n,).
+
+        Parameters
+        ----------
+        number : (n,) array
+        echo : (n,) array
+            Reflectance times the derivative of the number by it, DN.
+        """
+        own = np.hypot(self.constant, self.share * np.asarray(number))
+        return np.asarray(np.hypot(own, self.light * np.asarray(echo)))
 
 
 class Evidence(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

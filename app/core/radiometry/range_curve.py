@@ -137,39 +137,46 @@ class PolynomialCurve(RangeCurve, frozen=True, dict=True):
             raise WrongUse("A curve of order 2 needs an odd number of ranges.")
 
     def level(self, distance: Floats) -> Floats:
-        nodes, basis, _ = self._pieces(distance)
-        return np.asarray(np.einsum("i...,i...->...", basis, np.array(self.levels)[nodes]))
+        return np.asarray(self._whole(self.within(distance)))
 
     def rise(self, distance: Floats) -> Floats:
-        nodes, _, slopes = self._pieces(distance)
-        return np.asarray(np.einsum("i...,i...->...", slopes, np.array(self.levels)[nodes]))
+        return np.asarray(self._whole(self.within(distance), 1))
+
+    @cached_property
+    def _whole(self):  # type: ignore[no-untyped-def]
+        from scipy.interpolate import PPoly
+
+        ranges, levels = np.array(self.ranges), np.array(self.levels)
+        ends = ranges[:: self.order]
+        pieces = [slice(k, k + self.order + 1) for k in range(0, len(ranges) - 1, self.order)]
+        each = [np.polyfit(ranges[p] - ranges[p.start], levels[p], self.order) for p in pieces]
+        return PPoly(np.array(each).T, ends, extrapolate=False)
 
     def shares(self, distance: Floats) -> Floats:
-        nodes, basis, _ = self._pieces(distance)
+        nodes, basis = self._pieces(distance)
         each = np.arange(len(self.ranges)).reshape(-1, *(1,) * (nodes.ndim - 1))
         result = np.zeros((len(self.ranges), *nodes.shape[1:]))
         for node, share in zip(nodes, basis, strict=True):
             result += np.where(node == each, share, 0.0)
         return np.where(np.isnan(basis[0]), np.nan, result)
 
-    def _pieces(self, distance: Floats) -> tuple[Ints, Floats, Floats]:
-        """Nodes of each distance's piece, Lagrange's polynomials there and their slopes."""
+    def _pieces(self, distance: Floats) -> tuple[Ints, Floats]:
+        """Nodes of each distance's piece, and Lagrange's polynomials there."""
         away, ranges = self.within(distance), np.array(self.ranges)
         piece = np.searchsorted(ranges[:: self.order], away, "right") - 1
         last = (len(ranges) - 1) // self.order - 1
         first = self.order * np.clip(piece, 0, last).astype(np.int64)
         nodes = np.stack([first + i for i in range(self.order + 1)])
-        return nodes, *_lagrange(ranges[nodes], away)
+        return nodes, _lagrange(ranges[nodes], away)
 
 
-def _lagrange(at: Floats, x: Floats) -> tuple[Floats, Floats]:
-    basis, slopes = np.ones(at.shape), np.zeros(at.shape)
+def _lagrange(at: Floats, x: Floats) -> Floats:
+    basis = np.ones(at.shape)
     for i in range(len(at)):
         for j in range(len(at)):
             if j != i:
-                slopes[i] = (slopes[i] * (x - at[j]) + basis[i]) / (at[i] - at[j])
                 basis[i] = basis[i] * (x - at[j]) / (at[i] - at[j])
-    return basis, slopes
+    return basis
 
 
 class SplineCurve(RangeCurve, frozen=True, dict=True):

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from app.core.arrays import Bools, Floats
+from app.core.arrays import Floats
 from app.core.errors import WrongUse
 from app.core.radiometry.step import Step, spread
 
@@ -46,8 +46,9 @@ class InverseSquare(Step, frozen=True):
         return np.asarray(-2.0 * x * self._strength(distance) / distance)
 
     def _strength(self, distance: Floats) -> Floats:
-        away = np.where(np.asarray(distance) > 0.0, distance, np.nan)
-        return np.asarray((self.reference / away) ** 2)
+        away = np.asarray(distance, float)
+        known = np.where((away > 0.0) & (away < np.inf), away, np.nan)
+        return np.asarray((self.reference / known) ** 2)
 
 
 class AnalyticRange(Step, frozen=True):
@@ -101,14 +102,14 @@ class AnalyticRange(Step, frozen=True):
         return spread(self._strength(distance), x, distance)
 
     def gradient(self, x: Floats, distance: Floats) -> Floats:
-        away = np.asarray(distance, float)
+        away = self._within(distance)
         relative = self._relative_gradient(away) - self._relative_gradient(
             np.array(self.reference)
         ).reshape(3, *(1,) * away.ndim)
         return np.asarray(self.respond(x, distance) * relative)
 
     def range_slope(self, x: Floats, distance: Floats) -> Floats:
-        away = np.asarray(distance, float)
+        away = self._within(distance)
         if self.form == "outer":
             rise = self.k3 * self.k2 / np.expm1(self.k2 * away)
         else:
@@ -117,12 +118,13 @@ class AnalyticRange(Step, frozen=True):
         return np.asarray(self.respond(x, distance) * (rise - self.a / away))
 
     def _strength(self, distance: Floats) -> Floats:
-        away = np.asarray(distance, float)
-        known = np.where(self._knows(away), away, np.nan)
+        known = self._within(distance)
         return np.asarray(np.exp(self._log_g(known) - self._log_g(np.array(self.reference))))
 
-    def _knows(self, away: Floats) -> Bools:
-        return np.asarray((away >= self.nearest) & (away <= self.farthest))
+    def _within(self, distance: Floats) -> Floats:
+        """The distance where the effect is known, NaN elsewhere."""
+        away = np.asarray(distance, float)
+        return np.where((away >= self.nearest) & (away <= self.farthest), away, np.nan)
 
     def _log_g(self, away: Floats) -> Floats:
         if self.form == "outer":

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.core.radiometry.noise import estimate_noise
+from app.core.radiometry.noise import estimate_noise, estimate_point_noise
+from app.core.radiometry.profile import Noise
+from app.core.radiometry.salca import SalcaResponse
 
 
 @pytest.mark.parametrize(
@@ -28,3 +30,17 @@ def test_a_fit_with_many_parameters_is_allowed_for() -> None:
 def test_no_residuals_are_rounding_and_not_zero() -> None:
     found = estimate_noise(np.zeros(5), np.full(5, 100.0), 2)
     assert 0 < found.sigma(np.array(100.0)) < 1e-10
+
+
+@pytest.mark.parametrize("true", [Noise(2.0, 0.0, 0.03), Noise(1.0, 0.01), Noise(0.0, 0.005, 0.05)])
+def test_noise_of_the_light_is_told_from_that_of_the_number(true: Noise) -> None:
+    # SALCA: steep below the knee, shallow above, so that the three parts differ in shape.
+    light, here = np.geomspace(0.005, 2.0, 60), np.ones(60)
+    response = SalcaResponse(137.21, 407.04, 16.83)
+    number, echo = response.respond(light, here), light * response.slope(light, here)
+    scatter = true.sigma(number, echo)
+    found = estimate_point_noise(scatter, number, echo)
+    assert found.sigma(number, echo) == pytest.approx(scatter, rel=1e-3)
+    drawn = scatter * (1.0 + np.random.default_rng(1).standard_normal(60) / np.sqrt(400))
+    found = estimate_point_noise(drawn, number, echo)
+    assert found.sigma(number, echo) == pytest.approx(scatter, rel=0.1)

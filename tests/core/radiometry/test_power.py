@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -28,7 +29,7 @@ LOG = ChannelCalibration("l", (Power(1.0), LogResponse(600.0, 1784.0)), 785.0, n
 @pytest.mark.parametrize("calibration", [SALCA, LOG])
 def test_the_power_comes_back_without_noise(calibration: ChannelCalibration) -> None:
     dn = chains.respond(calibration.steps, 0.73 * RHO, AWAY)
-    power, sigma = measure_power(calibration, dn, AWAY, RHO)
+    power, sigma, _ = measure_power(calibration, dn, AWAY, RHO)
     assert power == pytest.approx(0.73, rel=1e-9)
     assert 0 < sigma < 0.02
 
@@ -40,9 +41,25 @@ def test_its_sigma_is_that_of_many_draws(calibration: ChannelCalibration) -> Non
     assert calibration.noise is not None
     noise = calibration.noise.sigma(dn)
     draws = [dn + noise * random.standard_normal(6) for _ in range(1500)]
-    found = np.array([measure_power(calibration, draw, AWAY, RHO) for draw in draws])
+    found = np.array([measure_power(calibration, draw, AWAY, RHO)[:2] for draw in draws])
     assert found[:, 0].mean() == pytest.approx(0.8, rel=0.003)
     assert found[:, 0].std() == pytest.approx(found[:, 1].mean(), rel=0.1)
+
+
+@pytest.mark.parametrize("calibration", [SALCA, LOG])
+def test_its_pull_is_what_other_parameters_do_to_it(calibration: ChannelCalibration) -> None:
+    dn = chains.respond(calibration.steps, 0.8 * RHO, AWAY)
+    values = chains.values(calibration.steps)
+    pull = measure_power(calibration, dn, AWAY, RHO).pull
+    for k in range(1, len(values)):  # the first is the power itself
+        step = 1e-6 * abs(values[k])
+        ends = []
+        for sign in (-1, 1):
+            moved = values + sign * step * (np.arange(len(values)) == k)
+            steps = chains.with_values(calibration.steps, moved)
+            other = msgspec.structs.replace(calibration, steps=steps)
+            ends.append(measure_power(other, dn, AWAY, RHO).power)
+        assert (ends[1] - ends[0]) / (2 * step) == pytest.approx(pull[k], rel=1e-3)
 
 
 def test_panels_of_unsure_reflectance_make_it_unsure() -> None:

@@ -1,1 +1,1 @@
-"""``leafscope bench stability``: what must not change an angle, and what it does change."""
+"""``leafscope bench stability``: what must change neither an angle nor a reflectance."""

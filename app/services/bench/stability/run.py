@@ -1,4 +1,4 @@
-"""``leafscope bench stability``: each case, all ways, one table."""
+"""``leafscope bench stability``: each case, all ways; a table of angles, one of reflectances."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.core.progress import QUIET, Progress
 from app.services.bench.results import Bench, ResultTable, Value, list_targets, refuse_targets
+from app.services.bench.stability import reflectances
 from app.services.bench.stability.changes import list_changes
 from app.services.bench.stability.spoilt import list_spoilt
 from app.services.bench.stability.ways import WAYS, Case
@@ -24,7 +25,7 @@ NOTE = (
 
 
 def list_cases() -> list[Case]:
-    """All cases, in the order of the table."""
+    """All cases of angles, in the order of the table."""
     return [*list_changes(), *list_spoilt()]
 
 
@@ -44,10 +45,11 @@ def bench_stability(quick: bool = False, progress: Progress = QUIET) -> Bench:
     rows: list[dict[str, Value]] = []
     cases = list_cases()
     for place, case in enumerate(cases):
-        progress.report(place / len(cases), case.name)
+        progress.report(0.9 * place / len(cases), case.name)
         rows.append(tell_case(case, QUICK_SIDE if quick else SIDE))
     table = ResultTable(NAME, "What must not change an angle of incidence", rows, NOTE)
-    return Bench(NAME, (table,), {})
+    progress.report(0.9, "Reflectances")
+    return Bench(NAME, (table, reflectances.check_reflectances(quick)), {})
 
 
 def tell_case(case: Case, side: int) -> dict[str, Value]:
@@ -70,4 +72,4 @@ def _judge(failed: Sequence[str]) -> str:
 
 def refuse_bench_stability(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
-    refuse_targets(list_targets(out, NAME, [NAME], []), overwrite)
+    refuse_targets(list_targets(out, NAME, [NAME, reflectances.NAME], []), overwrite)

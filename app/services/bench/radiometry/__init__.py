@@ -1,0 +1,1 @@
+"""Benches of the calibration from number to reflectance."""
