@@ -53,6 +53,10 @@ class Reading:
     "Laser power of the scan in a calibrated channel, CHANNEL=VALUE[:SIGMA]."
     partial_hits: bool = False
     "Give a reflectance also to points that the beam hits in part."
+    correct: tuple[str, ...] = ()
+    "Correct a channel for its angle, CHANNEL:WORKFLOW:b=1.78 (or a species, or FITS.json)."
+    formula: tuple[str, ...] = ()
+    'An index of your own, NAME=FORMULA, e.g. "mine=(r1063 - r1545) / (r1063 + r1545)".'
 
 
 @Parameter(name="*")
@@ -77,6 +81,8 @@ class Footprint:
     "Diameter of the beam where it leaves the scanner, mm."
     half_divergence: float | None = None
     "HALF of the beam's full divergence, degrees."
+    smooth: float | None = None
+    "Average channels over a synthetic footprint of so many mm, for fields …_smoothed."
 
 
 DEFAULT_READING, DEFAULT_PLANES, DEFAULT_FOOTPRINT = Reading(), Planes(), Footprint()
@@ -101,7 +107,15 @@ def opening(file: Path, reading: Reading) -> Opening:
     if profile is None and (reading.power or reading.partial_hits):
         raise WrongUse("--power and --partial-hits say something about a --profile; give one.")
     return Opening(
-        file, options, origin, reading.channel, profile, reading.power, reading.partial_hits
+        file,
+        options,
+        origin,
+        reading.channel,
+        profile,
+        reading.power,
+        reading.partial_hits,
+        reading.correct,
+        reading.formula,
     )
 
 
@@ -109,9 +123,11 @@ def parameters_of(
     planes: Planes, beam: Footprint = DEFAULT_FOOTPRINT, threshold: float | None = None
 ) -> dict[str, Any]:
     """What a service is told about the parameters of the fields; None stays the default."""
+    from app.core.units import MM_PER_M
     from app.services.beams import choose_beam
 
     return {
+        "synthetic_footprint": None if beam.smooth is None else beam.smooth / MM_PER_M,
         "radius": planes.radius,
         "estimator": planes.estimator,
         "beam": choose_beam(beam.instrument, beam.exit_diameter, beam.half_divergence),
@@ -392,10 +408,26 @@ leafscope.command(
     help="Means of samples that several instruments scanned, and indices of the means.",
 )
 leafscope.command(
+    "app.cli.correcting:correct",
+    help="Correct leaves for their angle of incidence: WF1, WF2 and WF3 side by side.",
+)
+leafscope.command(
+    "app.cli.indexing:index_angle",
+    help="An index against the angle: its curve, its range, and whether that exceeds the noise.",
+)
+leafscope.command(
+    "app.cli.indexing:synthetic_footprint",
+    help="How the spread of an index falls when channels are averaged over a footprint.",
+)
+leafscope.command(
     "app.cli.calibrating:calibrate",
     help="Calibrate an instrument from a table of panels: DN to reflectance.",
 )
 leafscope.command(
     "app.cli.calibrating:profiles",
     help="List what is published about instruments, and the profiles that come with Leafscope.",
+)
+leafscope.command(
+    "app.cli.series:series",
+    help="Carry leaves through scans of other angles or times, and measure them into a table.",
 )

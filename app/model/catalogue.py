@@ -2,51 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-
 import numpy as np
 
 from app.core.arrays import Ints
-from app.core.errors import LeafscopeError, MissingChannel
-from app.core.indices import NAMED, NamedIndex, match_channels
-from app.core.indices import evaluate as evaluate_index
-from app.core.radiometry.profile import Profile
 from app.core.units import to_radians
 from app.model.angle_fields import ANGLES
 from app.model.calibrated import calibrated_channels
-from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec, pick_rows
+from app.model.correction_fields import correction_fields
+from app.model.corrections import corrected_channels
+from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec, Same, pick_rows
 from app.model.footprint_fields import FOOTPRINTS
 from app.model.hit_fields import HITS
+from app.model.index_fields import formula_fields, list_families, named_index_fields
 from app.model.neighbours import neighbours_of
-from app.model.parameters import Formula
+from app.model.parameters import Parameters
 from app.model.radiometry_fields import reflectance_fields
 from app.model.scan import Channel, Scan
+from app.model.smoothed_fields import smoothed_fields
 from app.model.truth_fields import TruthField, describe_truth
 from app.model.waveform_fields import waveform_fields
 
 CHANNEL_UNITS = {"DN": "DN", "dB": "dB", "linear": "", "reflectance": ""}
 
 
-def build_catalogue(
-    scan: Scan, formulas: Iterable[Formula] = (), profile: Profile | None = None
-) -> Catalogue:
+def build_catalogue(scan: Scan, parameters: Parameters) -> Catalogue:
     """Fields of a scan by name: geometry, channels, reflectance, indices, formulas, the rest.
 
     Fields that need what the scan lacks (a scanner position, a channel) are listed all
     the same: asking for them raises the error that says what is missing.
     """
-    channels = (*calibrated_channels(scan, profile), *scan.channels)
+    profile = parameters.profile
+    given = (*calibrated_channels(scan, profile), *scan.channels)
     specs = [*GEOMETRY, *reflectance_fields(profile, scan), *map(channel_field, scan.channels)]
     specs += waveform_fields(scan)
-    wavelengths = {channel.name: channel.wavelength_nm for channel in channels}
-    specs += [index_field(index, wavelengths) for index in NAMED.values()]
+    names = {spec.name for spec in specs}
+    specs += correction_fields(parameters.corrections, given, CHANNEL_UNITS, names)
+    channels = (*given, *corrected_channels(parameters.corrections, given))
+    smoothing = parameters.synthetic_footprint is not None
+    specs += smoothed_fields(channels, CHANNEL_UNITS) if smoothing else ()
+    families = list_families(channels, smoothing)
+    specs += named_index_fields(families)
     catalogue = {spec.name: spec for spec in specs}
-    for formula in formulas:  # never in place of a field that others are computed from
-        catalogue.setdefault(formula.name, formula_field(formula, list(wavelengths)))
+    # Never in place of a field that others are computed from.
+    for spec in formula_fields(parameters.formulas, families):
+        catalogue.setdefault(spec.name, spec)
     for name, values in scan.attributes.items():
         if name not in catalogue and values.dtype.kind in "buif":
             catalogue[name] = attribute_field(name)
     return catalogue
+
+
+def catalogue_depends_on(parameters: Parameters) -> tuple[object, ...]:
+    """The parameters that say which fields there are, to be compared."""
+    return (
+        parameters.formulas,
+        Same(parameters.profile),
+        parameters.corrections,
+        parameters.synthetic_footprint is not None,
+    )
 
 
 def channel_field(channel: Channel) -> FieldSpec:
@@ -80,40 +93,6 @@ def attribute_field(name: str) -> FieldSpec:
         return Computed(np.where(values < 0, np.nan, values) if shown.numbers else values)
 
     return FieldSpec(name, shown.title, shown.unit, shown.kind, compute, stored=True)
-
-
-def index_field(index: NamedIndex, wavelengths: Mapping[str, float | None]) -> FieldSpec:
-    """A named spectral index over the nearest channels, given by name with their nm."""
-
-    def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
-        roles = match_channels(index, wavelengths)
-        values = {role: evaluation.read(name, points) for role, name in roles.items()}
-        return Computed(evaluate_index(index, values), {"channels": roles})
-
-    try:
-        roles = match_channels(index, wavelengths)
-    except MissingChannel:
-        roles = {}
-    return FieldSpec(
-        index.name, index.title, "", "scalar", compute, tuple(dict.fromkeys(roles.values()))
-    )
-
-
-def formula_field(formula: Formula, channels: list[str]) -> FieldSpec:
-    """A user's own formula over channels, given by name."""
-    from app.core.formula import compile_formula
-
-    def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
-        compiled = compile_formula(formula.text, channels)
-        values = {name: evaluation.read(name, points) for name in compiled.names}
-        return Computed(compiled.evaluate(values))
-
-    try:
-        inputs = compile_formula(formula.text, channels).names
-    except LeafscopeError:
-        inputs = ()
-    title = f"{formula.name} = {formula.text}"
-    return FieldSpec(formula.name, title, "", "scalar", compute, tuple(inputs))
 
 
 def compute_range(evaluation: Evaluation, points: Ints | None) -> Computed:

@@ -17,6 +17,7 @@ Aspect = Literal[
     "leaves",
     "fits",
     "samples",
+    "series",
     "fields",
 ]
 

@@ -19,7 +19,17 @@ from app.core.progress import QUIET, Progress
 from app.model.leaf import Leaf
 from app.model.state import ScanState
 
-FieldKind = Literal["scalar", "angle", "signed angle", "score", "flag", "verdict", "mark", "class"]
+FieldKind = Literal[
+    "scalar",
+    "angle",
+    "signed angle",
+    "score",
+    "flag",
+    "verdict",
+    "mark",
+    "correction",
+    "class",
+]
 Need = Literal["points", "pose", "channels", "marks", "deleted", "leaves"]
 
 
@@ -64,6 +74,8 @@ class FieldSpec:
         The values are those of the attribute of the same name, as the file holds them.
     compute : callable
         Given the evaluation and the points (None for all), gives one value per point.
+    made_with : object
+        What it depends on beside all these, told apart by its text.
     """
 
     name: str
@@ -75,6 +87,7 @@ class FieldSpec:
     parameters: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
     stored: bool = False
+    made_with: object = None
 
 
 Catalogue = Mapping[str, FieldSpec]
@@ -106,7 +119,7 @@ def fingerprint(catalogue: Catalogue, name: str, subject: Subject) -> tuple[Any,
     """Everything that the values of a field depend on; equal when they are still valid."""
     spec = find_spec(catalogue, name)
     state = subject.state
-    parts: list[Any] = [spec.name, spec.title]
+    parts: list[Any] = [spec.name, spec.title, repr(spec.made_with)]
     parts += [getattr(state.parameters, parameter) for parameter in spec.parameters]
     for need in spec.needs:
         match need:

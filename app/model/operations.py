@@ -16,6 +16,7 @@ from app.model.parameters import Parameters
 from app.model.points import EMPTY, PointSet
 from app.model.scan import Channel, Pose, Source
 from app.model.selection import Selection
+from app.model.series import Series, check_series
 from app.model.state import ScanState, State, put
 
 Applied = tuple[State, "Operation"]
@@ -333,6 +334,28 @@ class PutSample(Operation, frozen=True):
         return new, PutSample(self.key, old)
 
 
+class PutSeries(Operation, frozen=True):
+    """Make or change a series of scans, or (series None) forget it; `verb` says which."""
+
+    key: str
+    series: Series | None
+    verb: str = "Make"
+
+    @property
+    def title(self) -> str:
+        if self.series is None:
+            return "Forget series"
+        return f"{self.verb} series {self.series.name} ({len(self.series.entries)} scans)"
+
+    def apply(self, state: State) -> Applied:
+        if self.series is not None:
+            _check_key(self.key, self.series.key)
+            check_series(self.series, {key: len(held.scan) for key, held in state.scans.items()})
+        old = state.series.get(self.key)
+        new = replace(state, series=put(state.series, self.key, self.series))
+        return new, PutSeries(self.key, old, self.verb)
+
+
 class Several(Operation, frozen=True):
     """Operations that belong together and are undone together."""
 
@@ -365,13 +388,14 @@ AnyOperation = (
     | PutLeaf
     | PutFit
     | PutSample
+    | PutSeries
     | Several
 )
 
 
 def _check_key(key: str, own: str) -> None:
     if key != own or not key.rpartition("-")[2].isdecimal():
-        raise WrongUse(f"{key!r} is no key of a leaf or fit that calls itself {own!r}.")
+        raise WrongUse(f"{key!r} is no key of something that calls itself {own!r}.")
 
 
 def _rows(points: PointSet, scan: ScanState) -> Ints:

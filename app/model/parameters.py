@@ -12,6 +12,8 @@ from app.core.ghosts import THRESHOLD
 from app.core.incidence import ESTIMATORS, RADIUS, Estimator
 from app.core.radiometry.drift import check_power
 from app.core.radiometry.profile import Profile
+from app.core.synthetic_footprint import check_diameter
+from app.model.corrections import Correction
 
 LARGEST_RADIUS = 0.5
 MOST_SIGMAS = 100.0
@@ -124,6 +126,10 @@ class Parameters(msgspec.Struct, frozen=True):
         Give a reflectance also to points that the beam hits in part.
     waveform_threshold : float
         Standard deviations of the noise above which a sample belongs to a return.
+    corrections : tuple of Correction
+        What is made of channels for the angle of incidence; see `app.core.workflows`.
+    synthetic_footprint : float or None
+        Diameter over which channels are averaged, metres; None does not.
     """
 
     radius: float = RADIUS
@@ -138,11 +144,20 @@ class Parameters(msgspec.Struct, frozen=True):
     powers: tuple[ScanPower, ...] = ()
     partial_hits: bool = False
     waveform_threshold: float = 5.0
+    corrections: tuple[Correction, ...] = ()
+    synthetic_footprint: float | None = None
 
     @property
     def radiometry(self) -> tuple[object, ...]:
-        """What calibrated channels depend on, beside the channels of the file."""
-        return self.profile, self.powers, self.partial_hits, self.beam, self.waveform_threshold
+        """What calibrated and corrected channels depend on, beside the channels of the file."""
+        return (
+            self.profile,
+            self.powers,
+            self.partial_hits,
+            self.beam,
+            self.waveform_threshold,
+            self.corrections,
+        )
 
     def __post_init__(self) -> None:
         if self.estimator not in ESTIMATORS:
@@ -159,6 +174,8 @@ class Parameters(msgspec.Struct, frozen=True):
         _check_positive("The plane gate", self.plane_gate)
         if not 0.0 <= self.ghost_threshold <= 1.0:
             raise WrongUse(f"A ghost threshold lies in 0 to 1, not at {self.ghost_threshold}.")
+        if self.synthetic_footprint is not None:
+            check_diameter(self.synthetic_footprint)
         if not 0.0 < self.waveform_threshold <= MOST_SIGMAS:
             raise WrongUse(
                 f"The threshold of a waveform lies above 0 and up to {MOST_SIGMAS:g} σ of its "

@@ -9,7 +9,7 @@ from psygnal import Signal
 
 from app.core.arrays import Floats, Ints
 from app.core.progress import QUIET, Progress
-from app.model.catalogue import build_catalogue
+from app.model.catalogue import build_catalogue, catalogue_depends_on
 from app.model.events import Aspect, Change
 from app.model.field_cache import FieldCache
 from app.model.fields import Catalogue, Evaluation, Same, Subject, Values, fingerprint
@@ -75,11 +75,11 @@ class Project:
     def catalogue(self, scan: str) -> Catalogue:
         """The fields that a scan can have, by name."""
         state = self.state.scan(scan)
-        formulas, profile = state.parameters.formulas, state.parameters.profile
-        mark = (state.scan.channels, Same(state.scan.attributes), formulas, Same(profile))
+        made_by = catalogue_depends_on(state.parameters)
+        mark = (state.scan.channels, Same(state.scan.attributes), made_by)
         held = self._catalogues.get(scan)
         if held is None or held[0] != mark:
-            held = (mark, build_catalogue(state.scan, formulas, profile))
+            held = (mark, build_catalogue(state.scan, state.parameters))
             self._catalogues[scan] = held
         return held[1]
 
@@ -132,7 +132,7 @@ class Project:
 def differences(old: State, new: State) -> frozenset[Aspect]:
     """Which aspects of the document differ between two states."""
     aspects: set[Aspect] = set()
-    for name in ("leaves", "fits", "samples"):
+    for name in ("leaves", "fits", "samples", "series"):
         if getattr(old, name) is not getattr(new, name):
             aspects.add(name)
     if old.scans.keys() != new.scans.keys():

@@ -35,6 +35,8 @@ class Channel:
         Where the numbers come from; empty when raw.
     sigma : float or None
         Standard deviation of one value, in the channel's own unit.
+    workflow : str
+        How it was corrected for the angle of incidence; empty when it was not.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Channel:
     kind: ChannelKind = "DN"
     calibration: str = ""
     sigma: float | None = None
+    workflow: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from app.core.arrays import Floats
 from app.core.radiometry.marks import WORDS
+from app.core.workflows.marks import WORDS as CORRECTION_WORDS
 from app.model.fields import FieldKind, Same, Values
 from app.model.project import Project
 from app.model.view_state import ViewState
@@ -24,6 +25,7 @@ DEFAULT_MAPS: Mapping[FieldKind, str] = {
     "flag": "flag",
     "verdict": "verdict",
     "mark": "marks",
+    "correction": "marks",
     "class": "leaves",
 }
 
@@ -165,6 +167,8 @@ def default_limits(values: Floats, kind: FieldKind) -> tuple[float, float]:
         return 0.0, 2.0
     if kind == "mark":
         return 0.0, float(len(WORDS) - 1)
+    if kind == "correction":
+        return 0.0, float(len(CORRECTION_WORDS) - 1)
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return 0.0, 1.0

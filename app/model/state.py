@@ -13,10 +13,12 @@ import numpy as np
 from app.core.arrays import AnyArray, Bools
 from app.core.errors import MissingChannel, WrongUse
 from app.model.calibrated import calibrated_channels
+from app.model.corrections import corrected_channels
 from app.model.leaf import FitRecord, Leaf, Sample
 from app.model.parameters import Parameters
 from app.model.points import EMPTY, PointSet
 from app.model.scan import Channel, Scan
+from app.model.series import Series
 
 V = TypeVar("V")
 
@@ -57,8 +59,15 @@ class ScanState:
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
-        """Calibrated channels, then those of the file: the earlier is the better one to use."""
-        return (*calibrated_channels(self.scan, self.parameters.profile), *self.scan.channels)
+        """Calibrated channels, then those of the file, then corrected ones.
+
+        The earlier is the better one to use where nothing is said. Without a scanner position
+        nothing can be corrected.
+        """
+        given = (*calibrated_channels(self.scan, self.parameters.profile), *self.scan.channels)
+        if self.scan.pose is None:
+            return given
+        return (*given, *corrected_channels(self.parameters.corrections, given))
 
     def channel(self, name: str) -> Channel:
         """The channel of that name; raises `MissingChannel` with the names there are."""
@@ -66,8 +75,17 @@ class ScanState:
 
     @property
     def wavelengths(self) -> dict[str, float | None]:
-        """Wavelength of each channel, nm, by its name; calibrated ones first."""
-        return {channel.name: channel.wavelength_nm for channel in self.channels}
+        """Wavelength of each channel that is not corrected, nm, by its name; calibrated first."""
+        return self.wavelengths_of("")
+
+    def wavelengths_of(self, workflow: str) -> dict[str, float | None]:
+        """Wavelength of each channel of one workflow, by its name: an index never mixes them."""
+        return {c.name: c.wavelength_nm for c in self.channels if c.workflow == workflow}
+
+    @property
+    def workflows(self) -> tuple[str, ...]:
+        """How channels are corrected, each way once; "" for those that are not."""
+        return tuple(dict.fromkeys(("", *(channel.workflow for channel in self.channels))))
 
     def channel_in_use(self, needed_for: str) -> Channel:
         """The channel that fits and angles from intensity use.
@@ -101,6 +119,7 @@ class State:
     leaves: Mapping[str, Leaf] = field(default_factory=dict)
     fits: Mapping[str, FitRecord] = field(default_factory=dict)
     samples: Mapping[str, Sample] = field(default_factory=dict)
+    series: Mapping[str, Series] = field(default_factory=dict)
 
     def scan(self, key: str) -> ScanState:
         """The scan of that key; raises `WrongUse` when there is none."""

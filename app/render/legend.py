@@ -14,11 +14,16 @@ from app.render.ticks import label_ticks, round_ticks
 
 SHORT = ("good", "no signal", "dark", "saturated", "off ranges", "off response", "partial hit")
 """`app.core.radiometry.marks.WORDS` for a narrow legend."""
+CORRECTED = (
+    "good", "no value", "no angle", "off angles", "too steep", "negative", "none for it"
+)  # fmt: skip
+"""`app.core.workflows.marks.WORDS` for a narrow legend."""
 INK: dict[Background, str] = {"light": "#25303a", "dark": "#dfe6ec"}
 ANSWERS: dict[FieldKind, tuple[tuple[int, str], ...]] = {
     "flag": ((0, "no"), (255, "yes")),
     "verdict": ((0, "no"), (1, "yes"), (2, "unsure")),
     "mark": tuple(enumerate(SHORT)),
+    "correction": tuple(enumerate(CORRECTED)),
 }
 """Rows of the colour table that stand for an answer, in the order of the values."""
 SIGN_NOTE = "negative: towards facing the beam · positive: towards edge-on"

@@ -16,7 +16,9 @@ from app.formats.atomic import refuse_target
 from app.model.operations import SetParameters
 from app.model.project import Project
 from app.services.beams import describe_beam
+from app.services.corrections import tell_corrections
 from app.services.export import export, gather, merge, refuse_unwritable
+from app.services.formulas import tell_picks
 from app.services.opening import Opening, open_file
 from app.services.preparation import BEAM_FIELDS, MADE_FROM, needs_preparation, prepare
 from app.services.radiometry import tell_calibration
@@ -66,7 +68,8 @@ def compute_file(
     report["warnings"] += [f"Done for you: {step.title}." for step in made]
     if not BEAM_FIELDS.isdisjoint(fields):
         report["warnings"] += _tell_beams(project, keys)
-    report["warnings"] += [line for key in keys for line in tell_calibration(project, key, fields)]
+    for tell in (tell_calibration, tell_corrections, tell_picks):
+        report["warnings"] += [line for key in keys for line in tell(project, key, fields)]
     write = time.perf_counter() - start
     report["seconds"] = {"read": read, **report["seconds"], "write": write}
     return report

@@ -15,6 +15,7 @@ from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
 from app.formats.cloud import Cloud
 from app.formats.saving import save
+from app.model.corrections import describe_correction
 from app.model.fields import find_spec
 from app.model.parameters import Parameters
 from app.model.project import Project
@@ -135,6 +136,7 @@ def provenance(project: Project, scan: str) -> dict[str, object]:
             for name in ("radius", "estimator", "ghost_threshold")
         },
         **_describe_profile(state.parameters),
+        **_describe_corrections(state.parameters),
     }
 
 
@@ -148,6 +150,22 @@ def _describe_profile(parameters: Parameters) -> dict[str, object]:
         "powers": {power.channel: [power.value, power.sigma] for power in parameters.powers},
     }
     return {"calibration": calibration}
+
+
+def _describe_corrections(parameters: Parameters) -> dict[str, object]:
+    found: dict[str, object] = {}
+    if parameters.corrections:
+        found["corrections"] = {
+            f"{each.name}{' of ' if each.leaves else ''}{', '.join(each.leaves)}": (
+                describe_correction(each)
+            )
+            for each in parameters.corrections
+        }
+    if parameters.formulas:
+        found["formulas"] = {formula.name: formula.text for formula in parameters.formulas}
+    if parameters.synthetic_footprint is not None:
+        found["synthetic_footprint"] = parameters.synthetic_footprint
+    return found
 
 
 def export(cloud: Cloud, path: Path, overwrite: bool = False, progress: Progress = QUIET) -> None:

@@ -14,14 +14,16 @@ from app.core.indices import NAMED, match_channels
 from app.core.indices import evaluate as evaluate_index
 from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
+from app.core.workflows.marks import GOOD
 from app.formats.atomic import atomic_path
+from app.model.correction_fields import MARK
 from app.model.leaf import Leaf, join_members
 from app.model.neighbours import neighbours_of
 from app.model.operations import PutLeaf, Several
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.selection import Explicit, FieldRange, Selection
-from app.model.state import make_key, next_leaf_key
+from app.model.state import ScanState, make_key, next_leaf_key
 from app.services.error_budget import explain_reflectance
 
 # A segment that shares more than this with a leaf is that leaf, seen with another border.
@@ -142,19 +144,39 @@ def _measure(project: Project, leaf: Leaf, points: Ints, values: dict[str, AnyAr
     for channel in state.channels:
         mean, sd = _mean_sd(values[channel.name])
         row |= {f"{channel.name}_mean": mean, f"{channel.name}_sd": sd}
-        if channel.calibration and channel not in state.scan.channels:
+        if channel.workflow:
+            row |= _tell_marked(project, leaf.scan, channel.name, points)
+        elif channel.calibration and channel not in state.scan.channels:
             row |= _tell_sigma(project, leaf.scan, channel.name, points)
-    wavelengths = state.wavelengths
+    for workflow in state.workflows:
+        row |= _measure_indices(state, workflow, values)
+    return row
+
+
+def _measure_indices(state: ScanState, workflow: str, values: dict[str, AnyArray]) -> Row:
+    """Indices of a leaf over the channels of one workflow, both as mean and of the means."""
+    row: Row = {}
     for index in NAMED.values():
         try:
-            roles = match_channels(index, wavelengths)
+            roles = match_channels(index, state.wavelengths_of(workflow))
         except MissingChannel:
             continue  # the scan has not the channels of this index: no column for it
+        name = f"{index.name}_{workflow}" if workflow else index.name
         per_point = evaluate_index(index, {r: values[c] for r, c in roles.items()})
         means = {r: np.array([_mean(values[c])]) for r, c in roles.items()}
-        row[f"{index.name}_mean_of_points"], row[f"{index.name}_sd"] = _mean_sd(per_point)
-        row[f"{index.name}_of_means"] = _number(evaluate_index(index, means)[0])
+        row[f"{name}_mean_of_points"], row[f"{name}_sd"] = _mean_sd(per_point)
+        row[f"{name}_of_means"] = _number(evaluate_index(index, means)[0])
     return row
+
+
+def _tell_marked(project: Project, scan: str, channel: str, points: Ints) -> Row:
+    """Points of a leaf with a corrected value, and those that are marked."""
+    marks = project.field(scan, channel + MARK, points)
+    values = project.field(scan, channel, points)
+    return {
+        f"{channel}_n": int(np.isfinite(values).sum()),
+        f"{channel}_marked": int((marks != GOOD).sum()),
+    }
 
 
 def _tell_sigma(project: Project, scan: str, channel: str, points: Ints) -> Row:

@@ -25,6 +25,8 @@ from app.model.operations import (
 )
 from app.model.project import Project
 from app.model.scan import Channel, ChannelKind, Pose, Scan, Vector
+from app.services.correction_texts import use_correction_texts
+from app.services.formulas import use_formula_texts
 from app.services.laser_power import parse_powers, use_powers
 from app.services.radiometry import apply_profile, take_partial_hits
 from app.services.reading import read_file
@@ -84,6 +86,10 @@ class Opening:
         Laser power of the scan, ``CHANNEL=VALUE`` or ``CHANNEL=VALUE:SIGMA``.
     partial_hits : bool
         Give a reflectance also to points that the beam hits in part.
+    corrections : tuple of str
+        Corrections for the angle of incidence; see `app.services.correction_texts`.
+    formulas : tuple of str
+        Indices of the user's own, ``NAME=FORMULA``.
     """
 
     path: Path
@@ -93,6 +99,8 @@ class Opening:
     profile: Profile | None = None
     powers: tuple[str, ...] = ()
     partial_hits: bool = False
+    corrections: tuple[str, ...] = ()
+    formulas: tuple[str, ...] = ()
 
 
 def open_file(opening: Opening, progress: Progress = QUIET) -> tuple[Project, list[str]]:
@@ -114,6 +122,10 @@ def open_into(project: Project, opening: Opening, progress: Progress = QUIET) ->
             use_powers(project, key, parse_powers(opening.powers))
         if opening.partial_hits:
             take_partial_hits(project, key, True)
+    for key in keys if opening.corrections else ():
+        use_correction_texts(project, key, opening.corrections)
+    for key in keys if opening.formulas else ():
+        use_formula_texts(project, key, opening.formulas)
     return keys
 
 

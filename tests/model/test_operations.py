@@ -17,6 +17,7 @@ from app.model.operations import (
     MovePoints,
     PutLeaf,
     PutSample,
+    PutSeries,
     Select,
     SetChannels,
     SetDeleted,
@@ -29,6 +30,7 @@ from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Channel, Pose, Scan
 from app.model.selection import Difference, Explicit, FieldRange
+from app.model.series import Correction, Series, SeriesEntry
 from app.model.state import State
 
 SIZE = 40
@@ -39,6 +41,11 @@ leaf_keys = st.sampled_from(["leaf-00001", "leaf-00002", "leaf-00012"])
 def make_leaf(key: str, members: PointSet) -> Leaf:
     basis = (Difference(Explicit(members), FieldRange("range", 0.0, 1.0)),)
     return Leaf(key, "scan-00001", f"name of {key}", members, basis)
+
+
+def make_series(corrected: PointSet) -> Series:
+    entry = SeriesEntry("scan-00001", 5.0, corrections=(Correction("leaf-00001", corrected),))
+    return Series("series-00001", "stage", (entry,), "scan-00001")
 
 
 def moves(chosen: PointSet) -> MovePoints:
@@ -63,6 +70,8 @@ simple = st.one_of(
     st.builds(lambda k, m: PutLeaf(k, make_leaf(k, m)), leaf_keys, points),
     st.builds(PutLeaf, leaf_keys, st.none()),
     st.just(PutSample("sample-00001", Sample("sample-00001", "birch", ("scan-00001",)))),
+    points.map(lambda p: PutSeries("series-00001", make_series(p))),
+    st.just(PutSeries("series-00001", None)),
 )
 operations = st.one_of(simple, st.lists(simple, max_size=3).map(lambda s: Several("x", tuple(s))))
 
@@ -96,6 +105,7 @@ def picture(state: State) -> object:
         list(state.leaves.items()),
         list(state.fits.items()),
         list(state.samples.items()),
+        list(state.series.items()),
     )
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from app.core.errors import WrongUse
 from app.core.radiometry.marks import WORDS
+from app.core.workflows.marks import WORDS as CORRECTED
 from app.render.legend import ANSWERS
 from app.render.palettes import (
     BACKGROUNDS,
@@ -77,6 +78,7 @@ def test_missing_values_are_seen_on_the_background(background: str) -> None:
 
 def test_every_mark_has_a_colour_and_words() -> None:
     assert [row for row, _ in ANSWERS["mark"]] == list(range(len(WORDS)))
+    assert [row for row, _ in ANSWERS["correction"]] == list(range(len(CORRECTED)))
     found = colours(np.arange(float(len(WORDS))), 0, 6, "marks").tolist()
     assert len({tuple(colour) for colour in found}) == len(WORDS)
 

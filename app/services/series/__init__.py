@@ -1,0 +1,1 @@
+"""Series: leaves carried from one scan to many, measured into a table."""
