@@ -82,7 +82,7 @@ def compute_reflectance(
     notes["from"] = source_of(calibration, evaluation.subject.state)
     if parameters.profile is not None:
         notes |= {"profile": parameters.profile.name, "origin": parameters.profile.origin}
-    if calibration.reflectances is not None:
+    if calibration.reflectances is not None and calibration.kind == "reflectance":
         low, high = calibration.reflectances
         notes[OUTSIDE] = int(((values < low) | (values > high)).sum())
     return Computed(values, notes, beside={"mark": marks})
@@ -118,6 +118,8 @@ def is_power_known(parameters: Parameters, calibration: ChannelCalibration) -> b
 
 def _tell_power(parameters: Parameters, calibration: ChannelCalibration) -> str:
     power = power_of(parameters, calibration)
+    if not has_power(calibration):
+        return "of no account"
     if not is_power_known(parameters, calibration):
         return "taken as 1, not measured"
     return f"{power.value:.4g}" + (f" ({power.origin})" if power.origin else "")

@@ -76,7 +76,7 @@ def warn_of(found: Calibration, any_range: bool, point_noise: bool) -> Iterator[
     yield from _warn_of_rows(found)
     yield from _warn_of_ranges(found, any_range)
     yield from _warn_of_misfit(found)
-    if not point_noise:
+    if not point_noise and found.fit.noise is not None:
         yield (
             "The noise in the profile is that of the table's rows. Where they are means of many"
             " returns a point is noisier: give --point-noise."
