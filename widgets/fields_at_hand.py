@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from app.core.errors import MissingChannel
 from app.core.indices import NAMED, match_channels
 from app.core.radiometry.profile import ChannelCalibration
-from app.model.calibrated import find_source
 from app.model.fields import FieldSpec
 from app.model.project import Project
-from app.model.radiometry_fields import MARK, SIGMA
+from app.model.radiometry_fields import MARK, SIGMA, source_of
 from app.model.state import ScanState
 from app.model.truth_fields import describe_truth
 
@@ -98,7 +97,7 @@ def why_no_reflectance(
 ) -> str:
     """What the reflectance of a channel lacks, as a sentence."""
     try:
-        find_source(calibration, project.state.scan(scan).scan)
+        source_of(calibration, project.state.scan(scan))
     except MissingChannel as error:
         return error.what
     needed = [name for name in spec.inputs if name != OPTIONAL]

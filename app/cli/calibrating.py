@@ -45,6 +45,8 @@ class Panels:
     "Range at which the range effect is none, metres."
     break_at: tuple[float, ...] = ()
     "Where pieces of a polynomial or spline meet, metres (may be repeated)."
+    same_power: bool = False
+    "The laser's power did not change between the scans of the table."
 
 
 @Parameter(name="*")
@@ -59,7 +61,7 @@ class Result:
     point_noise: str | None = None
     "Noise of a single point, CONSTANT[,SHARE[,LIGHT]]: DN, share of the DN, share of the light."
     margin: float = 0.0
-    "Metres beyond the panels' ranges where the profile is to hold as well."
+    "Metres beyond the panels' ranges where the profile is to hold as well, 0.1 at most."
     range_noise: float = 0.0
     "σ of a range, mm, for its part in the error budget."
     any_range: bool = False
@@ -90,8 +92,10 @@ def calibrate(
         panel, channel, wavelength_nm, dn_sigma, reflectance_sigma.
     model
         log, linear, proportional or salca, with a range effect behind it if there is one:
-        +inverse-square, +polynomial, +spline, +analytic, +analytic-inner. Or a paper: balduzzi,
-        junttila-log, junttila-linear, kaasalainen, hancock. Default: that of the --instrument.
+        +inverse-square, +polynomial, +spline, +analytic, +analytic-inner. Or polynomial or spline
+        alone: numbers as at the reference range, for which one panel is enough. Or a paper:
+        balduzzi, junttila-log, junttila-linear, kaasalainen, hancock. Default: that of the
+        --instrument.
     out
         TOML file to write, the profile.
     report
@@ -114,6 +118,7 @@ def calibrate(
         panels.break_at,
         panels.dark,
         panels.saturated,
+        same_power=panels.same_power,
     )
     model, options, wishes = choose_calibration(result.instrument, model, options, wishes)
     found = calibrate_table(table, model, options, wishes, name_result(result), watch())
@@ -183,19 +188,23 @@ def print_calibration(found: CalibrationReport) -> None:
         say(f"note: columns not used: {', '.join(found.ignored)}")
     for channel in found.channels:
         _print_channel(channel)
+    print_warnings(found.warnings)
 
 
 def _print_channel(report: ChannelReport) -> None:
-    found, fit = report.calibration, report.calibration.fit
-    say(f"{report.channel.name}: {found.model.name}, {len(found.table)} rows")
-    values = zip(fit.found.names, fit.found.natural(), fit.low, fit.high, strict=True)
-    for name, value, low, high in values:
-        say(f"  {name} = {value:.6g} (95 %: {low:.6g} to {high:.6g})")
-    evidence = report.channel.evidence
-    if evidence is not None:
-        outside = evidence.left_out_rmse
-        without = "" if outside is None else f", left out of the fit {outside:.4f}"
-        say(f"  reflectance: RMSE {evidence.rmse:.4f}, bias {evidence.bias:+.4f}{without}")
+    from app.core.radiometry.joint import count_rows
+    from app.services.calibration_words import NOT_KNOWN, list_parameters, tell_error
+
+    found = report.calibration
+    say(f"{report.channel.name}: {found.model.name}, {count_rows(len(found.table))}")
+    for name, value, _, low, high, *_ in list_parameters(found):
+        known = low is not None and high is not None
+        say(f"  {name} = {value:.6g}" + (f" (95 %: {low:.6g} to {high:.6g})" if known else ""))
+    if found.fit.noise is None:
+        say(f"  {NOT_KNOWN}")
+    say(f"  {tell_error(found, report.channel.evidence)}")
+    digits, unit = (".3g", " DN") if found.model.range_alone else (".4f", "")
     for score in report.scores:
-        say(f"  panel {score.panel}: RMSE {score.rmse:.4f}, bias {score.bias:+.4f}")
+        rmse, bias = f"{score.rmse:{digits}}{unit}", f"{score.bias:+{digits}}{unit}"
+        say(f"  panel {score.panel}: RMSE {rmse}, bias {bias}")
     print_warnings(report.warnings)

@@ -51,6 +51,8 @@ class Reading:
     "Calibrate the channels by a profile: a TOML file, or the name of a published one."
     power: tuple[str, ...] = ()
     "Laser power of the scan in a calibrated channel, CHANNEL=VALUE[:SIGMA]."
+    panel: str | None = None
+    "Measure that power by a panel in the scan: FIELD=LABEL:REFLECTANCE[:SIGMA], its points."
     partial_hits: bool = False
     "Give a reflectance also to points that the beam hits in part."
     correct: tuple[str, ...] = ()
@@ -104,8 +106,8 @@ def opening(file: Path, reading: Reading) -> Opening:
     )
     origin = None if reading.origin is None else parse_origin(reading.origin)
     profile = None if reading.profile is None else find_profile(reading.profile)
-    if profile is None and (reading.power or reading.partial_hits):
-        raise WrongUse("--power and --partial-hits say something about a --profile; give one.")
+    if profile is None and (reading.power or reading.panel or reading.partial_hits):
+        raise WrongUse("--power, --panel and --partial-hits belong to a --profile; give one.")
     return Opening(
         file,
         options,
@@ -114,6 +116,7 @@ def opening(file: Path, reading: Reading) -> Opening:
         profile,
         reading.power,
         reading.partial_hits,
+        reading.panel,
         reading.correct,
         reading.formula,
     )

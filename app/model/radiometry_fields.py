@@ -9,15 +9,18 @@ import numpy as np
 from app.core.arrays import Bools, Floats, Ints
 from app.core.errors import MissingChannel, WrongUse
 from app.core.radiometry.budget import Budget, error_budget
-from app.core.radiometry.marks import PARTIAL, WORDS, reflect
+from app.core.radiometry.drift import Power
+from app.core.radiometry.marks import WORDS, reflect
 from app.core.radiometry.profile import ChannelCalibration, Profile
 from app.model.calibrated import find_source
 from app.model.fields import Computed, Evaluation, FieldSpec
 from app.model.neighbours import neighbours_of
 from app.model.parameters import Parameters, ScanPower
 from app.model.scan import Scan
+from app.model.state import ScanState
 
 SIGMA, MARK = "_sigma", "_mark"
+OUTSIDE = "darker or brighter than all panels"
 PARAMETERS = ("profile", "powers", "partial_hits", "beam")
 
 
@@ -25,16 +28,18 @@ def reflectance_fields(profile: Profile | None, scan: Scan) -> list[FieldSpec]:
     """Three fields per channel of a profile: the reflectance, its σ, and the mark."""
     specs: list[FieldSpec] = []
     for calibration in profile.channels if profile else ():
-        specs += _fields_of(calibration, scan)
+        specs += _fields_of(calibration, profile, scan)
     return specs
 
 
-def _fields_of(calibration: ChannelCalibration, scan: Scan) -> list[FieldSpec]:
+def _fields_of(
+    calibration: ChannelCalibration, profile: Profile | None, scan: Scan
+) -> list[FieldSpec]:
     name, unit = calibration.name, "" if calibration.kind == "reflectance" else "DN"
     word = "Reflectance" if calibration.kind == "reflectance" else "Range-corrected"
     nm = calibration.wavelength_nm
     title = f"{word}, {calibration.channel if nm is None else f'{nm:g} nm'}"
-    inputs = _inputs(calibration, scan)
+    inputs = _inputs(calibration, profile, scan)
 
     def compute(evaluation: Evaluation, points: Ints | None) -> Computed:
         return compute_reflectance(calibration, evaluation, points)
@@ -53,10 +58,12 @@ def _fields_of(calibration: ChannelCalibration, scan: Scan) -> list[FieldSpec]:
     ]
 
 
-def _inputs(calibration: ChannelCalibration, scan: Scan) -> tuple[str, ...]:
+def _inputs(
+    calibration: ChannelCalibration, profile: Profile | None, scan: Scan
+) -> tuple[str, ...]:
     inputs = ["range", "hit_fraction"] if calibration.needs_range else ["hit_fraction"]
     with suppress(MissingChannel):  # asking for the values says what is missing
-        inputs.insert(0, find_source(calibration, scan))
+        inputs.insert(0, find_source(calibration, profile, scan))
     return tuple(inputs)
 
 
@@ -70,13 +77,14 @@ def compute_reflectance(
     values, marks = reflect(calibration, number, distance, power.value, partial)
     counts = np.bincount(marks, minlength=len(WORDS))
     notes: dict[str, object] = {word: int(n) for word, n in zip(WORDS, counts, strict=True) if n}
-    notes |= {"partial hits": told, "power": power.value}
-    profile = evaluation.subject.state.parameters.profile
-    if profile is not None:
-        notes |= {"profile": profile.name, "origin": profile.origin}
-    if calibration.reflectances is not None:
+    parameters = evaluation.subject.state.parameters
+    notes |= {"partial hits": told, "power": _tell_power(parameters, calibration)}
+    notes["from"] = source_of(calibration, evaluation.subject.state)
+    if parameters.profile is not None:
+        notes |= {"profile": parameters.profile.name, "origin": parameters.profile.origin}
+    if calibration.reflectances is not None and calibration.kind == "reflectance":
         low, high = calibration.reflectances
-        notes["darker or brighter than all panels"] = int(((values < low) | (values > high)).sum())
+        notes[OUTSIDE] = int(((values < low) | (values > high)).sum())
     return Computed(values, notes, beside={"mark": marks})
 
 
@@ -90,6 +98,31 @@ def budget_at(
     return error_budget(
         calibration, reflectance, number, distance, power.value, power.sigma, pull_of(power)
     )
+
+
+def source_of(calibration: ChannelCalibration, state: ScanState) -> str:
+    """Name of the raw values of a calibration of the profile in use."""
+    return find_source(calibration, state.parameters.profile, state.scan)
+
+
+def has_power(calibration: ChannelCalibration) -> bool:
+    """Whether a channel is calibrated for the power of the laser."""
+    return any(isinstance(step, Power) for step in calibration.steps)
+
+
+def is_power_known(parameters: Parameters, calibration: ChannelCalibration) -> bool:
+    """Whether somebody said the power of the scan, where the channel has one."""
+    said = any(power.channel == calibration.name for power in parameters.powers)
+    return said or not has_power(calibration)
+
+
+def _tell_power(parameters: Parameters, calibration: ChannelCalibration) -> str:
+    power = power_of(parameters, calibration)
+    if not has_power(calibration):
+        return "of no account"
+    if not is_power_known(parameters, calibration):
+        return "taken as 1, not measured"
+    return f"{power.value:.4g}" + (f" ({power.origin})" if power.origin else "")
 
 
 def power_of(parameters: Parameters, calibration: ChannelCalibration) -> ScanPower:
@@ -114,7 +147,7 @@ def find_calibration(parameters: Parameters, channel: str) -> ChannelCalibration
 def _measured(
     calibration: ChannelCalibration, evaluation: Evaluation, points: Ints | None
 ) -> tuple[Floats, Floats]:
-    number = evaluation.read(find_source(calibration, evaluation.subject.state.scan), points)
+    number = evaluation.read(source_of(calibration, evaluation.subject.state), points)
     if not calibration.needs_range:
         return number, np.ones(len(number))
     return number, evaluation.read("range", points)
@@ -134,4 +167,4 @@ def _find_partial(evaluation: Evaluation, points: Ints | None) -> tuple[Bools | 
     if neighbours_of(state.scan, evaluation.progress).grid is None:
         return None, "not looked for: the scan has no rows and columns"
     share = evaluation.read("hit_fraction", points)
-    return share < FULL_HIT, f"left out below {FULL_HIT:g} of the beam, as {WORDS[PARTIAL]}"
+    return share < FULL_HIT, f"left out below {FULL_HIT:g} of the beam"

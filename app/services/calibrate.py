@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from app.core.errors import BadInput, LeafscopeError, WrongUse
 from app.core.progress import QUIET, Progress
 from app.core.radiometry.calibration import (
     BY_RULE,
-    NO_EFFECT_WITHIN,
     Calibration,
     Wishes,
     calibrate,
@@ -22,10 +21,11 @@ from app.core.radiometry.calibration import (
 )
 from app.core.radiometry.joint import JointFit
 from app.core.radiometry.models import CalibrationModel, choose_model
-from app.core.radiometry.nodes import find_ranges
 from app.core.radiometry.panels import PanelTable
-from app.core.radiometry.profile import ChannelCalibration, Noise, Profile
+from app.core.radiometry.profile import MOST_MARGIN, ChannelCalibration, Noise, Profile
 from app.core.radiometry.residuals import MaterialScore, gather_evidence, score_materials
+from app.services.calibration_words import list_parameters, warn_of
+from app.services.instrument_facts import warn_unknown
 from app.services.panel_columns import PLAIN, TableOptions, read_panels
 
 WORSE = 3.0
@@ -45,7 +45,8 @@ class Naming:
     point_noise : Noise or None
         Of a single point, where it is known: rows of a table are means of many.
     margin : float
-        Metres beyond the panels' ranges where the profile is to hold as well.
+        Metres beyond the panels' ranges where the profile is to hold as well, `MOST_MARGIN` at
+        most.
     range_sigma : float
         σ of a range, metres; 0: unknown, and without a part in the budget.
     any_range : bool
@@ -92,6 +93,7 @@ class CalibrationReport:
     table: str
     channels: tuple[ChannelReport, ...]
     ignored: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The JSON answer of ``leafscope calibrate``."""
@@ -100,6 +102,7 @@ class CalibrationReport:
             "instrument": self.profile.instrument,
             "table": self.table,
             "ignored_columns": list(self.ignored),
+            "warnings": list(self.warnings),
             "channels": [_describe_channel(each) for each in self.channels],
         }
 
@@ -133,8 +136,7 @@ def calibrate_table(
         An option does not exist or does not fit the table.
     """
     chosen = choose_model(model)
-    if not 0.0 <= naming.margin < float("inf"):
-        raise WrongUse(f"A margin of {naming.margin:g} m is impossible.", "Give metres from 0 on.")
+    _check_margin(naming.margin)
     file = read_panels(path, options)
     reports = []
     for place, table in enumerate(file.tables):
@@ -148,9 +150,24 @@ def calibrate_table(
             raise told(f"Channel {table.channel}: {error.what}", error.hint) from error
     name = naming.name or Path(path).stem
     channels = tuple(each.channel for each in reports)
-    notes = (f"Calibrated from {Path(path).name} with the model {chosen.name}.",)
+    notes = (f"Calibrated from {Path(path).name} with the model {_name_models(reports)}.",)
     profile = Profile(name, channels, naming.instrument, "yours", notes)
-    return CalibrationReport(profile, Path(path).name, tuple(reports), file.ignored)
+    said = tuple(filter(None, [warn_unknown(naming.instrument)]))
+    return CalibrationReport(profile, Path(path).name, tuple(reports), file.ignored, said)
+
+
+def _name_models(reports: Sequence[ChannelReport]) -> str:
+    return ", ".join(dict.fromkeys(each.calibration.model.name for each in reports))
+
+
+def _check_margin(margin: float) -> None:
+    if not 0.0 <= margin < float("inf"):
+        raise WrongUse(f"A margin of {margin:g} m is impossible.", "Give metres from 0 on.")
+    if margin > MOST_MARGIN:
+        raise WrongUse(
+            f"A margin of {margin:g} m is more than {MOST_MARGIN:g} m: nothing is known there.",
+            "A margin is for the noise of ranges; scan panels nearer or farther.",
+        )
 
 
 def report_channel(
@@ -177,7 +194,8 @@ def report_channel(
         other = fit_other_form(found)
     except BadInput:
         other = None
-    return ChannelReport(channel, found, scores, other, tuple(_warn(found, naming, other)))
+    said = warn_of(found, naming.any_range, naming.point_noise is not None)
+    return ChannelReport(channel, found, scores, other, (*said, *_compare(found, other)))
 
 
 def misfit(fit: JointFit, other: JointFit) -> float:
@@ -185,39 +203,16 @@ def misfit(fit: JointFit, other: JointFit) -> float:
     return float(((fit.residual / other.sigma) ** 2).sum())
 
 
-def _warn(
-    found: Calibration, naming: Naming, other: tuple[CalibrationModel, JointFit] | None
-) -> list[str]:
-    table, said = found.table, []
-    if found.saturated or found.dark:
-        said.append(f"{found.saturated} saturated and {found.dark} dark rows were left out.")
-    if len(table.scans) > 1 and not found.fixed_panels:
-        said.append(
-            "No panel is in all scans at one range: the laser's power is taken as the same in all."
-        )
-    if found.model.range_effect is None and len(find_ranges(table.distance)) == 1:
-        said.append(
-            f"All panels are at {table.distance[0]:g} m: the profile knows no effect of range, and"
-            f" holds there, give or take {100 * NO_EFFECT_WITHIN:g} %. If the instrument has taken"
-            " the effect out, say --any-range."
-        )
-    if naming.point_noise is None:
-        said.append(
-            "The noise in the profile is that of the table's rows. Where they are means of many"
-            " returns a point is noisier: give --point-noise."
-        )
-    if not table.reflectance_sigma.any():
-        said.append("The panels are taken as exactly known; otherwise give --panel-sigma.")
-    if other is not None and misfit(other[1], found.fit) < found.fit.chi_square - WORSE:
-        said.append(f"The model {other[0].name} fits better; see the report.")
-    return said
+def _compare(
+    found: Calibration, other: tuple[CalibrationModel, JointFit] | None
+) -> tuple[str, ...]:
+    if other is None or misfit(other[1], found.fit) >= found.fit.chi_square - WORSE:
+        return ()
+    return (f"The model {other[0].name} fits better; see the report.",)
 
 
 def _describe_channel(report: ChannelReport) -> dict[str, Any]:
     found, fit = report.calibration, report.calibration.fit
-    values = zip(
-        fit.found.names, fit.found.natural(), fit.deviations, fit.low, fit.high, strict=True
-    )
     return {
         "channel": report.channel.channel,
         "field": report.channel.name,
@@ -230,12 +225,14 @@ def _describe_channel(report: ChannelReport) -> dict[str, Any]:
         "saturated_left_out": found.saturated,
         "dark_left_out": found.dark,
         "parameters": {
-            name: {"value": value, "sd": sd, "low": low, "high": high}
-            for name, value, sd, low, high in values
+            one.name: {"value": one.value, "sd": one.sd, "low": one.low, "high": one.high}
+            for one in list_parameters(found)
         },
         "staged_intervals": _list_staged(found),
-        "powers": dict(fit.powers()),
-        "noise": {"constant": fit.noise.constant, "share": fit.noise.share},
+        "powers": {} if found.model.range_alone else dict(fit.powers()),
+        "noise": None
+        if fit.noise is None
+        else {"constant": fit.noise.constant, "share": fit.noise.share},
         "scale": fit.scale,
         "chi_square": fit.chi_square,
         "freedom": fit.freedom,
@@ -243,6 +240,7 @@ def _describe_channel(report: ChannelReport) -> dict[str, Any]:
         "other_form": None
         if report.other is None
         else {"model": report.other[0].name, "chi_square": misfit(report.other[1], fit)},
+        "unit": "DN" if found.model.range_alone else "reflectance",
         "panels": [_describe_score(score) for score in report.scores],
         "warnings": list(report.warnings),
     }

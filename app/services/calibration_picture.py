@@ -40,19 +40,21 @@ def draw_calibration(found: CalibrationReport, path: Path) -> None:
 
 def _draw_response(axes: Any, report: ChannelReport) -> None:
     """Numbers as at the reference range over the light, and the response as a line."""
-    found = report.calibration
+    found, alone = report.calibration, report.calibration.model.range_alone
     light, dn = _reach_response(found)
-    response = _split(found)[1]
-    line = np.geomspace(max(float(np.nanmin(light)), 1e-6), float(np.nanmax(light)), SAMPLES)
     for k, panel in enumerate(found.table.panels):
         mine = found.table.panel == panel
         label = panel if len(found.table.panels) <= LONGEST_LEGEND else None
         axes.plot(light[mine], dn[mine], ".", color=COLOURS[k % len(COLOURS)], label=label)
-    axes.plot(line, response.respond(line, np.ones(SAMPLES)), color=INK, linewidth=1.2)
+    if not alone:
+        line = np.geomspace(max(float(np.nanmin(light)), 1e-6), float(np.nanmax(light)), SAMPLES)
+        number = _split(found)[1].respond(line, np.ones(SAMPLES))
+        axes.plot(line, number, color=INK, linewidth=1.2)
     axes.set_xscale("log")
     number_axis(axes.xaxis)
     axes.set_title(report.channel.name, fontsize=10, color=INK, loc="left")
-    axes.set_xlabel("light: reflectance × power × range effect", fontsize=9, color=INK)
+    named = "reflectance" if alone else "light: reflectance × power × range effect"
+    axes.set_xlabel(named, fontsize=9, color=INK)
     axes.set_ylabel("DN, range effect taken out", fontsize=9, color=INK)
     if len(found.table.panels) <= LONGEST_LEGEND:
         axes.legend(fontsize=6.5, frameon=False)
@@ -61,7 +63,7 @@ def _draw_response(axes: Any, report: ChannelReport) -> None:
 def _draw_range(axes: Any, found: Calibration) -> None:
     """The range effect as a line, and what each row says of it."""
     front, response, back = _split(found)
-    table, distance = found.table, found.table.distance
+    table, distance = found.rows_fitted, found.table.distance
     power = found.fit.found.powers[table.index_scans()]
     line = np.linspace(float(distance.min()), float(distance.max()), SAMPLES)
     axes.set_xlabel("range, m", fontsize=9, color=INK)
@@ -108,6 +110,8 @@ def _reach_response(found: Calibration) -> tuple[Floats, Floats]:
     """Light that reaches the response, and the number that leaves it, of each row."""
     front, _, back = _split(found)
     table = found.table
+    if found.model.range_alone:
+        return table.reflectance, found.fit.found.steps[-1].invert(table.dn, table.distance)
     power = found.fit.found.powers[table.index_scans()]
     light = chains.respond(front, table.reflectance * power, table.distance)
     return light, chains.invert(back, table.dn, table.distance)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.core.radiometry.joint import count_rows
 from app.formats.atomic import atomic_files, refuse_target
 from app.services.calibrate import CalibrationReport, ChannelReport, misfit
+from app.services.calibration_words import list_parameters, tell_error, tell_noise
 from app.services.profiles import encode_profile
 
 
@@ -48,6 +50,7 @@ def tell(found: CalibrationReport, picture: str) -> str:
     lines = [f"# Calibration {found.profile.name}", "", f"Table: {found.table}."]
     if found.ignored:
         lines.append(f"Columns that were not used: {', '.join(found.ignored)}.")
+    lines += [f"Note: {warning}" for warning in found.warnings]
     lines += ["", f"![Data, curve and residuals]({picture})", ""]
     for channel in found.channels:
         lines += _tell_channel(channel)
@@ -56,24 +59,22 @@ def tell(found: CalibrationReport, picture: str) -> str:
 
 def _tell_channel(report: ChannelReport) -> list[str]:
     found, fit = report.calibration, report.calibration.fit
-    evidence = report.channel.evidence
     parts = [found.model.response, *filter(None, [found.model.range_effect])]
-    outside = "" if evidence is None or evidence.left_out_rmse is None else (
-        f", {evidence.left_out_rmse:.4f} for panels left out of the fit"
+    scan = "" if found.model.range_alone else (
+        f", reference scan {found.reference_scan} (power 1), fixed panels:"
+        f" {', '.join(found.fixed_panels) or 'none'}"
     )  # fmt: skip
-    error = "" if evidence is None else (
-        f"RMSE of the reflectance {evidence.rmse:.4f}, bias {evidence.bias:+.4f}{outside}."
-    )  # fmt: skip
+    error = tell_error(found, report.channel.evidence)
     return [
         f"## {report.channel.name}",
         "",
         *(f"- {part.title}: {part.formula} ({part.source})" for part in parts),
-        f"- Reference range {found.reference_range:g} m, reference scan {found.reference_scan}"
-        f" (power 1), fixed panels: {', '.join(found.fixed_panels) or 'none'}",
-        f"- {len(found.table)} rows used; left out: {found.saturated} saturated, {found.dark} dark",
-        f"- {error}",
-        f"- Noise of a row: {fit.noise.constant:.3g} DN and {100 * fit.noise.share:.3g} % of it;"
-        f" χ² {fit.chi_square:.1f} with {fit.freedom} degrees of freedom",
+        f"- Reference range {found.reference_range:g} m{scan}",
+        f"- {count_rows(len(found.table))} used; left out: {found.saturated} saturated,"
+        f" {found.dark} dark",
+        f"- {error[:1].upper()}{error[1:]}",
+        f"- Noise of a row: {tell_noise(found)}; χ² {fit.chi_square:.1f} with"
+        f" {fit.freedom} degrees of freedom",
         *(f"- Note: {warning}" for warning in report.warnings),
         "",
         "### Parameters",
@@ -94,18 +95,17 @@ def _tell_channel(report: ChannelReport) -> list[str]:
 
 
 def _tell_parameters(report: ChannelReport) -> list[str]:
-    found, fit = report.calibration, report.calibration.fit
+    found = report.calibration
     staged = found.staged.intervals if found.staged else {}
     rows = []
-    for k, name in enumerate(fit.found.names):
-        noise, panel = (c[k, k] ** 0.5 for c in (fit.noise_covariance, fit.panel_covariance))
+    for name, value, _, low, high, noise, panel in list_parameters(found):
         alone = f"{staged[name][0]:.6g} to {staged[name][1]:.6g}" if name in staged else ""
         rows.append(
             (
                 name,
-                f"{fit.found.natural()[k]:.6g}",
-                f"{fit.low[k]:.6g} to {fit.high[k]:.6g}",
-                f"{noise:.2g}",
+                f"{value:.6g}",
+                "not known" if low is None or high is None else f"{low:.6g} to {high:.6g}",
+                "not known" if noise is None else f"{noise:.2g}",
                 f"{panel:.2g}",
                 *([alone] if staged else []),
             )
@@ -117,24 +117,29 @@ def _tell_parameters(report: ChannelReport) -> list[str]:
 
 
 def _tell_panels(report: ChannelReport) -> list[str]:
-    rows = [
+    alone = report.calibration.model.range_alone
+    digits, unit = (".3g", ", DN") if alone else (".4f", "")
+    rows: list[tuple[str, ...]] = [
         (
             score.panel,
             f"{score.reflectance:g}",
             str(score.rows),
-            f"{score.rmse:.4f}",
-            f"{score.bias:+.4f}",
+            f"{score.rmse:{digits}}",
+            f"{score.bias:+{digits}}",
             f"{score.dn_rmse:.3g}",
             f"{score.dn_bias:+.3g}",
-            "not determined" if score.left_out_rmse is None else f"{score.left_out_rmse:.4f}",
-            "" if score.left_out_bias is None else f"{score.left_out_bias:+.4f}",
+            "not determined" if score.left_out_rmse is None
+            else f"{score.left_out_rmse:{digits}}",
+            "" if score.left_out_bias is None else f"{score.left_out_bias:+{digits}}",
         )
         for score in report.scores
-    ]
-    names = (
-        "panel", "reflectance", "rows", "RMSE", "bias", "RMSE, DN", "bias, DN",
-        "RMSE without it", "bias without it",
-    )  # fmt: skip
+    ]  # fmt: skip
+    names = [
+        "panel", "reflectance", "rows", f"RMSE{unit}", f"bias{unit}", "RMSE, DN", "bias, DN",
+        f"RMSE without it{unit}", f"bias without it{unit}",
+    ]  # fmt: skip
+    if alone:  # they are DN already
+        names, rows = [*names[:5], *names[7:]], [(*row[:5], *row[7:]) for row in rows]
     return _table(names, rows)
 
 

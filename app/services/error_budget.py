@@ -9,11 +9,20 @@ import numpy as np
 
 from app.core.arrays import Ints
 from app.core.progress import QUIET, Progress
+from app.core.radiometry import chain as chains
 from app.core.radiometry.budget import PARTS, mean_budget
 from app.core.radiometry.marks import WORDS
-from app.model.calibrated import find_source
+from app.core.radiometry.profile import ChannelCalibration
+from app.model.parameters import Parameters
 from app.model.project import Project
-from app.model.radiometry_fields import MARK, find_calibration, power_of, pull_of
+from app.model.radiometry_fields import (
+    MARK,
+    find_calibration,
+    is_power_known,
+    power_of,
+    pull_of,
+    source_of,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +34,8 @@ class Explained:
     reflectance, sigma : float
         NaN where no point has one.
     parts : mapping of str to float
-        σ by cause: noise, fit, panels, power, range.
+        σ by cause: noise, fit, panels, power, range. NaN where nobody told: a laser power that
+        was not measured, a noise of ranges; `sigma` then is that of the others.
     n : int
         Points with a reflectance.
     marks : mapping of str to int
@@ -54,7 +64,7 @@ def explain_reflectance(
     points = points[state.alive[points]]
     values = project.field(scan, channel, points, progress)
     marks = project.field(scan, channel + MARK, points).astype(np.int64)
-    number = project.field(scan, find_source(calibration, state.scan), points)
+    number = project.field(scan, source_of(calibration, state), points)
     distance = (
         project.field(scan, "range", points) if calibration.needs_range else np.ones(len(points))
     )
@@ -62,12 +72,20 @@ def explain_reflectance(
     budget = mean_budget(
         calibration, values, number, distance, power.value, power.sigma, pull_of(power)
     )
+    unknown = {part: float("nan") for part in _find_untold(calibration, state.parameters)}
     known = values[np.isfinite(values)]
     counts = np.bincount(marks, minlength=len(WORDS))
     return Explained(
         float(np.mean(known)) if len(known) else float("nan"),
         float(budget.sigma[0]),
-        {part: float(value[0]) for part, value in zip(PARTS, budget, strict=True)},
+        {part: float(value[0]) for part, value in zip(PARTS, budget, strict=True)} | unknown,
         len(known),
         {word: int(n) for word, n in zip(WORDS[1:], counts[1:], strict=True) if n},
     )
+
+
+def _find_untold(calibration: ChannelCalibration, parameters: Parameters) -> list[str]:
+    """Parts of a budget that are not zero but unknown."""
+    power = [] if is_power_known(parameters, calibration) else ["power"]
+    ranged = chains.needs_range(calibration.steps) and calibration.range_sigma == 0.0
+    return [*power, "range"] if ranged else power

@@ -61,6 +61,17 @@ def find_facts(name: str) -> InstrumentFacts | None:
     return next((facts for facts in list_facts() if facts.name == name.casefold()), None)
 
 
+def warn_unknown(name: str) -> str:
+    """What is to be said of an instrument that is named and not known; else nothing."""
+    if not name or find_facts(name) is not None:
+        return ""
+    known = ", ".join(facts.name for facts in list_facts())
+    return (
+        f"Leafscope does not know an instrument {name}: no model, wavelength or scale was taken"
+        f" from it. Known are {known}."
+    )
+
+
 def choose_calibration(
     instrument: str, model: str | None, options: TableOptions, wishes: Wishes
 ) -> tuple[str, TableOptions, Wishes]:

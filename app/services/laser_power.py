@@ -11,17 +11,17 @@ from msgspec.structs import replace
 from app.core.arrays import Ints
 from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
-from app.core.radiometry.drift import Power
 from app.core.radiometry.power import measure_power
 from app.core.radiometry.profile import ChannelCalibration
-from app.model.calibrated import find_source
 from app.model.operations import SetParameters
 from app.model.parameters import ScanPower
 from app.model.project import Project
-from app.model.radiometry_fields import find_calibration
+from app.model.radiometry_fields import find_calibration, has_power, source_of
 from app.services.panel_readings import FEWEST
 
 TINY = 1e-9
+STRONGEST = 20.0
+"""Power over that of the profile's reference scan beyond which it was meant as percent."""
 
 
 class Known(NamedTuple):
@@ -79,11 +79,39 @@ def power_from_panel(
     found = [
         _measure_power(project, scan, calibration, points, known, progress)
         for calibration in state.parameters.profile.channels
-        if calibration.name in there and _has_power(calibration)
+        if calibration.name in there and has_power(calibration)
     ]
     if not found:
         raise WrongUse("The profile in use knows no laser power.", "It was made without drift.")
     return tuple(found)
+
+
+def measure_by_label(
+    project: Project, scan: str, text: str, progress: Progress = QUIET
+) -> tuple[ScanPower, ...]:
+    """Power by a panel that a field marks, ``FIELD=LABEL:REFLECTANCE[:SIGMA]``.
+
+    Raises
+    ------
+    WrongUse
+        The text says something else, or there is no such field.
+    BadInput
+        No point has that label; see `power_from_panel`.
+    """
+    field, _, rest = text.partition("=")
+    try:
+        label, *known = (float(part) for part in rest.split(":"))
+        reflectance, sigma = (*known, 0.0)[:2] if 0 < len(known) < 3 else ()
+    except ValueError as error:
+        raise WrongUse(
+            f"{text!r} does not say a panel.",
+            "Write FIELD=LABEL:REFLECTANCE[:SIGMA], e.g. panel=3:0.5:0.01.",
+        ) from error
+    points = np.flatnonzero(project.field(scan, field, None, progress) == label)
+    if not len(points):
+        raise BadInput(f"No point has the {field} {label:g}.", "Name the label of the panel.")
+    told = f"{field} {label:g}"
+    return power_from_panel(project, scan, points, reflectance, sigma, told, progress)
 
 
 def use_powers(project: Project, scan: str, powers: tuple[ScanPower, ...]) -> None:
@@ -95,8 +123,16 @@ def use_powers(project: Project, scan: str, powers: tuple[ScanPower, ...]) -> No
         One is for a channel that the profile in use does not have, or whose power it ignores.
     """
     parameters = project.state.scan(scan).parameters
+    names = [power.channel for power in powers]
+    if len(set(names)) < len(names):
+        raise WrongUse(f"A laser power is given twice: {', '.join(names)}.", "Give each once.")
     for power in powers:
-        if not _has_power(find_calibration(parameters, power.channel)):
+        if power.value > STRONGEST:
+            raise WrongUse(
+                f"A laser power of {power.value:g} is not a share of that of the profile.",
+                "Give 0.93 for 93 %.",
+            )
+        if not has_power(find_calibration(parameters, power.channel)):
             raise WrongUse(f"The profile in use knows no laser power of {power.channel}.")
         if len(power.pull) not in (0, len(find_calibration(parameters, power.channel).free)):
             raise WrongUse(f"The power of {power.channel} was measured with another profile.")
@@ -119,10 +155,6 @@ def parse_powers(texts: Sequence[str]) -> tuple[ScanPower, ...]:
     return tuple(powers)
 
 
-def _has_power(calibration: ChannelCalibration) -> bool:
-    return any(isinstance(step, Power) for step in calibration.steps)
-
-
 def _measure_power(
     project: Project,
     scan: str,
@@ -132,7 +164,7 @@ def _measure_power(
     progress: Progress,
 ) -> ScanPower:
     """Power from the points of a panel that have a reflectance; the panel's own σ is one error."""
-    whole = project.state.scan(scan).scan
+    state = project.state.scan(scan)
     good = np.isfinite(project.field(scan, calibration.name, points, progress))
     count = int(np.count_nonzero(good))
     if count < FEWEST:
@@ -141,7 +173,7 @@ def _measure_power(
             f"laser's power needs {FEWEST}.",
             "See the marks: they may be saturated, or outside the calibrated ranges.",
         )
-    number = project.field(scan, find_source(calibration, whole), points[good])
+    number = project.field(scan, source_of(calibration, state), points[good])
     distance = np.ones(count)
     if calibration.needs_range:
         distance = calibration.hold(project.field(scan, "range", points[good]))

@@ -27,7 +27,7 @@ from app.model.project import Project
 from app.model.scan import Channel, ChannelKind, Pose, Scan, Vector
 from app.services.correction_texts import use_correction_texts
 from app.services.formulas import use_formula_texts
-from app.services.laser_power import parse_powers, use_powers
+from app.services.laser_power import measure_by_label, parse_powers, use_powers
 from app.services.radiometry import apply_profile, take_partial_hits
 from app.services.reading import read_file
 
@@ -86,6 +86,9 @@ class Opening:
         Laser power of the scan, ``CHANNEL=VALUE`` or ``CHANNEL=VALUE:SIGMA``.
     partial_hits : bool
         Give a reflectance also to points that the beam hits in part.
+    panel : str or None
+        Panel in the scan that tells its laser power, ``FIELD=LABEL:REFLECTANCE[:SIGMA]``: the
+        points where the field has that value.
     corrections : tuple of str
         Corrections for the angle of incidence; see `app.services.correction_texts`.
     formulas : tuple of str
@@ -99,6 +102,7 @@ class Opening:
     profile: Profile | None = None
     powers: tuple[str, ...] = ()
     partial_hits: bool = False
+    panel: str | None = None
     corrections: tuple[str, ...] = ()
     formulas: tuple[str, ...] = ()
 
@@ -117,16 +121,24 @@ def open_into(project: Project, opening: Opening, progress: Progress = QUIET) ->
         scan = project.state.scan(key).scan
         project.do(SetChannels(key, name_channels(scan, opening.channels)))
     for key in keys if opening.profile else ():
-        apply_profile(project, key, opening.profile)
-        if opening.powers:
-            use_powers(project, key, parse_powers(opening.powers))
-        if opening.partial_hits:
-            take_partial_hits(project, key, True)
+        _calibrate(project, key, opening, progress)
     for key in keys if opening.corrections else ():
         use_correction_texts(project, key, opening.corrections)
     for key in keys if opening.formulas else ():
         use_formula_texts(project, key, opening.formulas)
     return keys
+
+
+def _calibrate(project: Project, key: str, opening: Opening, progress: Progress) -> None:
+    apply_profile(project, key, opening.profile)
+    if opening.partial_hits:
+        take_partial_hits(project, key, True)
+    if opening.panel and opening.powers:
+        raise WrongUse("The laser's power is measured by --panel or given by --power, not both.")
+    if opening.powers:
+        use_powers(project, key, parse_powers(opening.powers))
+    if opening.panel:
+        use_powers(project, key, measure_by_label(project, key, opening.panel, progress))
 
 
 def set_parameters(project: Project, scan: str, **values: Any) -> None:

@@ -162,7 +162,7 @@ def _split(table: Table, roles: Mapping[str, str], options: TableOptions) -> lis
     if len(names) > 1 and "wavelength_nm" not in roles and options.wavelength_nm is not None:
         raise WrongUse(
             f"{table.name} has the channels {', '.join(names)}, and one wavelength for all.",
-            "Add a column wavelength_nm, or choose one with --channel.",
+            "Add a column wavelength_nm, or choose one with --channel and give --wavelength.",
         )
     return [_build(table, roles, options, cells == name, name) for name in names]
 
@@ -181,6 +181,9 @@ def _build(
         if role in roles
     }
     rho = numbers["reflectance"]
+    if "panel" in texts:
+        named = zip(texts["panel"].tolist(), rho, strict=True)
+        texts["panel"] = np.array([name.strip() or f"{value:g}" for name, value in named], str)
     made = make_table(
         numbers["range"],
         numbers["dn"],
@@ -215,14 +218,18 @@ def _find_wavelength(
     given = options.wavelength_nm
     if len(known) and given is not None and abs(given - known[0]) > 1e-6:
         raise WrongUse(
-            f"{where[:1].upper() + where[1:]} says {known[0]:g} nm, not {given:g}.",
+            f"{start} says {known[0]:g} nm, not {given:g}.",
             "Leave --wavelength out.",
         )
     given = options.usual_nm if given is None else given
     if not len(known) and given is None:
+        several = "channel" in roles and len(set(table.columns[roles["channel"]])) > 1
         raise BadInput(
-            f"The wavelength of {where} is missing.", "Give it with --wavelength NM."
-        )  # fmt: skip
+            f"The wavelength of {where} is missing.",
+            "Add a column wavelength_nm, or choose one with --channel and give --wavelength."
+            if several and options.channel is None
+            else "Give it with --wavelength NM.",
+        )
     value = float(known[0]) if len(known) else float(given or 0.0)
     if not 100.0 <= value <= 20_000.0:
         raise BadInput(

@@ -12,6 +12,7 @@ from app.core.radiometry.profile import ChannelCalibration, Profile
 from app.model.calibrated import find_source
 from app.model.operations import SetParameters
 from app.model.project import Project
+from app.model.radiometry_fields import OUTSIDE
 from app.model.scan import Scan
 from app.services.beams import name_instrument, propose_beam
 
@@ -37,6 +38,20 @@ def apply_profile(project: Project, scan: str, profile: Profile | None) -> None:
     _change(project, scan, profile=profile, powers=(), beam=beam)
 
 
+def join_profiles(old: Profile | None, new: Profile) -> Profile:
+    """A profile with the channels of `old` beside those of `new`, which win.
+
+    Only profiles that somebody made of the same instrument are joined: drawn panels calibrate one
+    channel at a time.
+    """
+    if old is None or old.origin != "yours" or old.instrument != new.instrument:
+        return new
+    names = {channel.name for channel in new.channels}
+    kept = tuple(channel for channel in old.channels if channel.name not in names)
+    notes = (*old.notes, *(note for note in new.notes if note not in old.notes))
+    return replace(new, channels=(*kept, *new.channels), notes=notes) if kept else new
+
+
 def check_profile(scan: Scan, profile: Profile) -> None:
     """Refuse a profile that does not belong to a scan; see `apply_profile` for the errors."""
     tool = name_instrument(scan)
@@ -49,7 +64,7 @@ def check_profile(scan: Scan, profile: Profile) -> None:
     errors = []
     for calibration in profile.channels:
         try:
-            find_source(calibration, scan)
+            find_source(calibration, profile, scan)
         except MissingChannel as error:
             errors.append(error)
         else:
@@ -96,7 +111,12 @@ def tell_calibration(project: Project, scan: str, fields: Sequence[str]) -> list
 
 def _tell_marks(name: str, notes: Mapping[str, object]) -> str:
     counts = [f"{notes[word]:,} {word}" for word in WORDS if notes.get(word)]
-    return f"{name}: {', '.join(counts)}; partial hits {notes['partial hits']}."
+    if notes.get(OUTSIDE):
+        counts.append(f"{notes[OUTSIDE]:,} of the good ones {OUTSIDE}")
+    return (
+        f"{name} (from {notes['from']}): {', '.join(counts)}; laser power {notes['power']}; "
+        f"partial hits {notes['partial hits']}."
+    )
 
 
 def _change(project: Project, scan: str, **values: object) -> None:

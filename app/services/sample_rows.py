@@ -20,6 +20,7 @@ from app.core.sample_means import (
     pair_nearest,
 )
 from app.model.project import Project
+from app.services.error_budget import explain_reflectance
 from app.services.leaves import Row
 
 
@@ -32,6 +33,7 @@ class Column:
     channel: str
     wavelength_nm: float | None
     kind: str
+    calibrated: bool = False
 
 
 class Sample:
@@ -47,8 +49,13 @@ class Sample:
         return self.project.field(column.scan, column.channel, self.members[column.scan])
 
     def describe(self, column: Column) -> Row:
-        """Mean, sd, standard error and count of a channel."""
-        return _tell(column.name, mean_of(self.values(column)))
+        """Mean, sd, standard error and count of a channel; of a calibrated one σ of its mean."""
+        row = _tell(column.name, mean_of(self.values(column)))
+        if column.calibrated and column.scan in self.members:
+            points = self.members[column.scan]
+            told = explain_reflectance(self.project, column.scan, column.channel, points)
+            row[f"{column.name}_sigma"] = _number(told.sigma)
+        return row
 
     def describe_index(self, index: NamedIndex, first: Column, second: Column) -> Row:
         """Index of the means; the mean of the index too where one scan has both channels."""

@@ -23,6 +23,7 @@ from app.model.project import Project
 from app.services.beams import propose_beam
 from app.services.leaves import Row, find_leaves, leaves_from_labels, write_table
 from app.services.opening import Opening, open_into, set_parameters
+from app.services.radiometry import tell_calibration
 from app.services.sample_rows import Column, Sample
 
 SAME_PLACE = 0.03
@@ -181,6 +182,8 @@ def tabulate_samples(
                 row |= sample.pair(NAMED[index_name], *pair, wanted.pair_within, counts[index_name])
         rows.append(row)
     pairs = {} if wanted.pair_within is None else _sum_up_pairs(project, roles, counts)
+    for key in scans:
+        warnings += tell_calibration(project, key, [column.channel for column in columns])
     return SampleTable(rows, pairs, tuple(text for text in warnings if text))
 
 
@@ -224,10 +227,13 @@ def _name_columns(project: Project, scans: Sequence[str]) -> list[Column]:
     """All channels of all scans; of equal names the later ones carry the scan's number."""
     columns: list[Column] = []
     for number, key in enumerate(scans, 1):
-        taken = {column.name for column in columns}
-        for channel in project.state.scan(key).channels:
+        taken, state = {column.name for column in columns}, project.state.scan(key)
+        for channel in state.channels:
             name = f"{channel.name}_scan{number}" if channel.name in taken else channel.name
-            columns.append(Column(name, key, channel.name, channel.wavelength_nm, channel.kind))
+            ours = channel not in state.scan.channels
+            columns.append(
+                Column(name, key, channel.name, channel.wavelength_nm, channel.kind, ours)
+            )
     if not columns:
         raise BadInput("None of the scans has a channel.", "Name one: NAME=WAVELENGTH:KIND.")
     return columns

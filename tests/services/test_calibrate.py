@@ -47,7 +47,7 @@ def faro(tmp_path: Path) -> Path:
 
 def test_two_channels_become_one_profile(salca: Path, tmp_path: Path) -> None:
     wishes = Wishes(reference_scan=hancock.REFERENCE_SCAN)
-    naming = Naming("ours", "salca", Noise(2.0), margin=0.5)
+    naming = Naming("ours", "salca", Noise(2.0), margin=0.1)
     found = calibrate_table(salca, "hancock", wishes=wishes, naming=naming)
     out, report = tmp_path / "p.toml", tmp_path / "r.md"
     assert write_calibration(found, out, report) == [out, report, tmp_path / "r.png"]
@@ -56,7 +56,8 @@ def test_two_channels_become_one_profile(salca: Path, tmp_path: Path) -> None:
     assert (profile.name, profile.instrument, profile.origin) == ("ours", "salca", "yours")
     assert [c.name for c in profile.channels] == ["reflectance_1063", "reflectance_1545"]
     first = profile.channels[0]
-    assert (first.nearest, first.farthest, first.noise) == (1.5, 60.5, Noise(2.0))
+    assert (first.nearest, first.farthest) == pytest.approx((1.9, 60.1))
+    assert first.noise == Noise(2.0)
     text = report.read_text(encoding="utf-8")
     for words in ("95 % interval", "too narrow", "Singular values", "analytic-inner", "(r.png)",
                   "RMSE without it", "reference scan scan 6"):  # fmt: skip
@@ -88,6 +89,8 @@ def test_every_fault_names_its_channel(salca: Path) -> None:
         calibrate_table(salca, "hancock", wishes=Wishes(saturated=0.5))
     with pytest.raises(WrongUse, match="margin of -1 m"):
         calibrate_table(salca, "hancock", naming=Naming(margin=-1.0))
+    with pytest.raises(WrongUse, match=r"margin of 0\.5 m is more than 0\.1 m.*scan panels nearer"):
+        calibrate_table(salca, "hancock", naming=Naming(margin=0.5))
 
 
 def test_nothing_is_written_where_one_file_exists(salca: Path, tmp_path: Path) -> None:
@@ -148,3 +151,73 @@ def test_bad_use_is_one_sentence_and_writes_nothing(
     assert run(["calibrate", str(faro), "--out", str(out), *words]) == code
     assert told in capsys.readouterr().err
     assert not out.exists()
+
+
+WHITE = "range,dn,rho,panel,nm\n" + "".join(
+    f"{away},{1800 - 40 * away},0.99,99 %,785\n" for away in (1, 2, 3, 5, 7, 10)
+)
+
+
+def told(folder: Path, text: str, model: str, naming: Naming = Naming()) -> str:  # noqa: B008
+    (folder / "t.csv").write_text(text, encoding="utf-8")
+    found = calibrate_table(folder / "t.csv", model, naming=naming)
+    return " ".join(found.channels[0].warnings + found.warnings)
+
+
+def test_a_range_correction_alone_speaks_of_dn(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "t.csv").write_text(WHITE, encoding="utf-8")
+    out, report = tmp_path / "p.toml", tmp_path / "r.md"
+    words = ["calibrate", str(tmp_path / "t.csv"), "--model", "polynomial", "--out", str(out)]
+    assert run([*words, "--report", str(report), "--instrument", "mine"], debug=True) == 0
+    caught = capsys.readouterr()
+    printed = caught.out + caught.err
+    assert "corrected_785: polynomial, 6 rows" in printed
+    assert "corrected DN: RMSE" in printed
+    assert "as many numbers as rows: how sure it is, is not known" in printed
+    assert "does not know an instrument mine" in printed
+    assert "power of" not in printed
+    assert "nan" not in printed
+    text = report.read_text(encoding="utf-8")
+    assert "Corrected DN: RMSE" in text
+    assert "not known" in text
+    assert "reference scan" not in text
+    (channel,) = read_profile(out).channels
+    assert (channel.name, channel.noise, channel.fit_covariance) == ("corrected_785", None, ())
+    assert run([*words, "--json", "--overwrite"], debug=True) == 0
+    answer = json.loads(capsys.readouterr().out)["channels"][0]
+    assert answer["noise"] is None
+    assert answer["parameters"]["F(1 m)"]["low"] is None
+    assert answer["unit"] == "DN"
+
+
+def test_one_row_is_one_row(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "t.csv").write_text("range,dn,rho,nm\n4,900,0.9,785\n", encoding="utf-8")
+    words = ["calibrate", str(tmp_path / "t.csv"), "--model", "kaasalainen"]
+    assert run([*words, "--out", str(tmp_path / "p.toml")], debug=True) == 0
+    printed = capsys.readouterr().out
+    assert "reflectance_785: proportional, 1 row\n" in printed
+    assert "gain = 1000\n" in printed
+
+
+def test_warnings_of_ranges_and_of_a_model_that_does_not_fit(tmp_path: Path) -> None:
+    rows = [(away, rho) for away in (2, 4, 60) for rho in (0.1, 0.4, 0.9)]
+    numbers = [2000 + 600 * np.log10(rho / away) for away, rho in rows]
+    told_rows = [f"{d},{dn},{r},785\n" for (d, r), dn in zip(rows, numbers, strict=True)]
+    text = "d,dn,rho,nm\n" + "".join(told_rows)
+    said = told(tmp_path, text, "log")
+    assert "The panels are at 2 to 60 m, and the model log knows no effect of range" in said
+    assert "come back with an RMSE of" in said
+    assert "at 2 to 60" not in told(tmp_path, text, "log", Naming(any_range=True))
+    said = told(tmp_path, text, "log+polynomial")
+    assert "No panel between 4 and 60 m: the curve there is a guess" in said
+    assert "between 2 and 4" not in said
+    assert "RMSE of" not in said
+    assert "degrees of freedom" not in said
+    near = "".join(line + "\n" for line in text.splitlines()[:4])
+    assert "judged by 1 degree of freedom" in told(tmp_path, near, "log")
+
+
+def test_a_known_instrument_is_not_warned_of(faro: Path) -> None:
+    wishes = Wishes(saturated=2033.0)
+    found = calibrate_table(faro, "junttila-log", wishes=wishes, naming=Naming("", "X330"))
+    assert found.warnings == ()

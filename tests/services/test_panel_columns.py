@@ -71,6 +71,8 @@ def test_columns_may_be_named_by_hand(tmp_path: Path) -> None:
         ("d,dn,rho\n4,nine,0.5\n", NM, "row 2: 'nine' in column dn is not a number"),
         ("d,dn,rho,channel\n4,9,0.5,a\n4,9,0.5,b\n", NM, "one wavelength for all"),
         ("d,dn,rho,channel\n4,9,0.5,a\n", TableOptions(channel="z"), "no channel z"),
+        ("d,dn,rho,channel\n4,9,.5,a\n4,9,.5,b\n", TableOptions(), "channel and give --wavelength"),
+        ("d,dn,rho,nm\n4,9,0.5,700\n", NM, "^panels.csv says"),
         ("d,dn,rho\n4,9,0.5\n", TableOptions(panel_sigma=2.0), "σ of 2 of a panel"),
         ("", NM, "no column for the range; its columns: none"),
         ("d,dn,rho\n", NM, "no rows"),
@@ -79,6 +81,11 @@ def test_columns_may_be_named_by_hand(tmp_path: Path) -> None:
 def test_bad_tables_are_told(tmp_path: Path, text: str, options: TableOptions, words: str) -> None:
     with pytest.raises((BadInput, WrongUse), match=words):
         read_panels(write(tmp_path, text), options)
+
+
+def test_a_panel_without_a_name_is_named_by_its_reflectance(tmp_path: Path) -> None:
+    path = write(tmp_path, "d,dn,rho,panel\n4,9,0.5,white\n4,8,0.25, \n4,7,0.12,\n")
+    assert read_panels(path, NM).tables[0].panels == ("white", "0.25", "0.12")
 
 
 def test_a_missing_or_binary_file_is_told(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace as replace_struct
 
-from app.core.errors import BadInput, WrongUse
+from app.core.errors import BadInput, MissingChannel, WrongUse
 from app.core.radiometry import chain as chains
 from app.core.radiometry.drift import Power
 from app.core.radiometry.log_response import LogResponse
@@ -24,12 +24,18 @@ from app.model.scan import Channel, Pose, Scan
 from app.services.compute import compute_file
 from app.services.error_budget import explain_reflectance
 from app.services.export import export
-from app.services.laser_power import parse_powers, power_from_panel, use_powers
+from app.services.laser_power import measure_by_label, parse_powers, power_from_panel, use_powers
 from app.services.leaves import leaves_from_labels, measure_leaves
 from app.services.opening import Opening
 from app.services.panel_readings import measure_panel
 from app.services.profiles import find_profile
-from app.services.radiometry import apply_profile, take_partial_hits
+from app.services.radiometry import (
+    apply_profile,
+    check_profile,
+    join_profiles,
+    take_partial_hits,
+    tell_calibration,
+)
 from app.simulate.virtual_scan import simulate
 
 STEPS = (InverseSquare(5.0), Power(), LogResponse(600.0, 1784.0))
@@ -139,7 +145,8 @@ def test_a_reflectance_is_explained_as_the_mean_of_its_points(project: Project) 
     sigma = project.field(KEY, "reflectance_785_sigma", TARGET)
     assert told.reflectance == pytest.approx(values.mean())
     assert (told.n, dict(told.marks)) == (COUNT, {})
-    assert told.sigma == pytest.approx(np.sqrt(sum(part**2 for part in told.parts.values())))
+    parts = np.array(list(told.parts.values()))
+    assert told.sigma == pytest.approx(np.sqrt(np.nansum(parts**2)))
     assert told.parts["power"] == pytest.approx(told.reflectance * 0.01)
     one = explain_reflectance(project, KEY, "reflectance_785", TARGET[:1])
     assert one.sigma == pytest.approx(sigma[0])
@@ -229,3 +236,74 @@ def test_errors_that_panel_and_target_share_cancel(project: Project) -> None:
     apply_profile(project, KEY, replace_steps((Power(), LogResponse(600.0, 1784.0))))
     with pytest.raises(WrongUse, match="another profile"):
         use_powers(project, KEY, (replace_struct(other, pull=(*other.pull, 0.0)),))
+
+
+def test_a_label_names_the_panel_for_the_power(project: Project) -> None:
+    apply_profile(project, KEY, PROFILE)
+    (power,) = measure_by_label(project, KEY, "label=0:0.5:0.01")
+    assert power == power_from_panel(project, KEY, PANEL, GREY, 0.01, "label 0")[0]
+    for wrong in ("label", "label=0", "label=0:x", "label=0:0.5:0.1:2", "=0:0.5", "nix=0:0.5"):
+        with pytest.raises(WrongUse):
+            measure_by_label(project, KEY, wrong)
+    with pytest.raises(BadInput, match="No point has the label 7"):
+        measure_by_label(project, KEY, "label=7:0.5")
+    with pytest.raises(WrongUse, match="twice"):
+        use_powers(project, KEY, (power, power))
+    with pytest.raises(WrongUse, match="not a share"):
+        use_powers(project, KEY, (ScanPower("reflectance_785", 93.0),))
+
+
+def test_a_power_that_nobody_measured_is_unknown_and_not_zero(project: Project) -> None:
+    apply_profile(project, KEY, PROFILE)
+    told = explain_reflectance(project, KEY, "reflectance_785", TARGET)
+    assert np.isnan(told.parts["power"])
+    assert np.isnan(told.parts["range"])
+    assert np.isfinite(told.sigma)
+    lines = " ".join(tell_calibration(project, KEY, ["reflectance_785"]))
+    assert "laser power taken as 1, not measured" in lines
+    assert "from intensity_785" in lines
+    use_powers(project, KEY, (ScanPower("reflectance_785", 0.9, 0.0, "given"),))
+    project.field(KEY, "reflectance_785")
+    assert "laser power 0.9 (given)" in " ".join(
+        tell_calibration(project, KEY, ["reflectance_785"])
+    )
+
+
+def test_one_raw_channel_is_not_two_colours() -> None:
+    """A DN column of unknown wavelength once became both channels of SALCA, and an NDI."""
+    scan = simulate("panels", instrument="salca", seed=2).scan
+    one = scan.with_channels((Channel("intensity_1063", "intensity_1063"),))
+    made = Project()
+    made.do(AddScan(made.shelve(replace(one, metadata={})), one.name, None))
+    profile = find_profile("salca")
+    other = replace_struct(profile, channels=(
+        replace_struct(profile.channels[0], channel="a"),
+        replace_struct(profile.channels[1], channel="b"),
+    ))  # fmt: skip
+    with pytest.raises(MissingChannel, match="cannot be both"):
+        apply_profile(made, KEY, other)
+    named = one.with_channels((Channel("intensity_1063", "intensity_1063", 1545.0),))
+    made = Project()
+    made.do(AddScan(made.shelve(replace(named, metadata={})), named.name, None))
+    apply_profile(made, KEY, other)
+    assert made.state.scan(KEY).channels[0].name == "reflectance_1545"
+
+
+def test_1545_and_1550_nm_are_two_lasers() -> None:
+    scan = simulate("panels", instrument="salca", seed=2).scan
+    far = replace_struct(find_profile("salca").channels[1], channel="x", wavelength_nm=1550.0)
+    with pytest.raises(MissingChannel):
+        check_profile(scan, Profile("faro", (far,)))
+
+
+def test_profiles_that_were_made_one_by_one_are_joined() -> None:
+    first, second = find_profile("salca").channels
+    mine = Profile("a", (first,), "salca")
+    both = join_profiles(mine, Profile("b", (second,), "salca"))
+    assert (both.name, both.channels) == ("b", (first, second))
+    again = join_profiles(both, Profile("c", (first,), "salca"))
+    assert {c.name for c in again.channels} == {first.name, second.name}
+    assert join_profiles(find_profile("salca"), mine) is mine  # published numbers stay out
+    other = Profile("d", (second,), "x330")
+    assert join_profiles(mine, other) is other
+    assert join_profiles(None, other) is other

@@ -12,7 +12,7 @@ from app.core.radiometry.profile import Profile
 from app.model.calibrated import calibrated_channels
 from app.model.events import EVERYTHING, Change
 from app.model.fields import Same
-from app.services.radiometry import apply_profile, take_partial_hits
+from app.services.radiometry import apply_profile, join_profiles, take_partial_hits
 from widgets.common.calibration.budget_page import BudgetPage
 from widgets.common.calibration.making_page import MakingPage
 from widgets.common.calibration.power_page import PowerPage
@@ -155,7 +155,8 @@ class CalibrationPanel(Panel):
 
     def _use_made(self) -> None:
         if self.making.fit.report is not None:
-            self.use(self.making.fit.report.profile)
+            state, made = self.controller.scan, self.making.fit.report.profile
+            self.use(join_profiles(state.parameters.profile if state else None, made))
 
     def _save_made(self) -> None:
         if self.making.fit.report is not None:

@@ -10,27 +10,36 @@ import numpy as np
 from app.core.arrays import Floats
 from app.core.errors import BadInput, WrongUse
 from app.core.radiometry.chain import AnyStep
+from app.core.radiometry.checks import (
+    divide_at_one_range,
+    refuse_model,
+    refuse_plateau,
+    refuse_powers,
+    refuse_wishes,
+)
 from app.core.radiometry.drift import Power
-from app.core.radiometry.joint import JointFit, fit_jointly
+from app.core.radiometry.joint import (
+    NORMAL_95,
+    JointFit,
+    find_reach,
+    fit_jointly,
+)
 from app.core.radiometry.models import (
-    LEAST_PANELS,
-    LEAST_RANGES,
     RANGE_EFFECTS,
     CalibrationModel,
 )
 from app.core.radiometry.nodes import find_ranges
 from app.core.radiometry.panels import PanelTable, check_panels, find_fixed_panels
 from app.core.radiometry.profile import ChannelCalibration, Evidence, Matrix, Noise
+from app.core.radiometry.range_alone import fit_alone, keep_curve, relabel
 from app.core.radiometry.staged import StagedFit, fit_stages
 from app.core.radiometry.start import Ranging, guess_powers, guess_steps
+from app.core.radiometry.step import Step
 from app.core.radiometry.unknowns import Unknowns
 
 NO_EFFECT_WITHIN = 0.1
 """Share of the panels' range by which targets may stand nearer or farther, where no effect of
 range was fitted."""
-BELOW_NOISE = 0.01
-"""Share of the largest DN below zero that noise may reach."""
-SIGMAS_BELOW = 5.0
 OTHER_FORM = {"analytic": "analytic-inner", "analytic-inner": "analytic"}
 
 
@@ -52,6 +61,8 @@ class Wishes:
         Rows with a DN at and below, at and above are left out.
     noise : Noise or None
         Of a row, where it is known.
+    same_power : bool
+        The laser's power did not change between scans: none is sought.
     """
 
     reference_range: float | None = None
@@ -61,6 +72,7 @@ class Wishes:
     dark: float | None = None
     saturated: float | None = None
     noise: Noise | None = None
+    same_power: bool = False
 
 
 BY_RULE = Wishes()
@@ -73,6 +85,7 @@ class Calibration:
     Attributes
     ----------
     model : CalibrationModel
+        That of the fit: without a curve over range where panels divide at their own range.
     wishes : Wishes
     table : PanelTable
         The rows that were used.
@@ -97,6 +110,11 @@ class Calibration:
     fit: JointFit
     staged: StagedFit | None
 
+    @property
+    def rows_fitted(self) -> PanelTable:
+        """The rows as the fit saw them."""
+        return relabel(self.table) if self.model.range_alone else self.table
+
 
 def calibrate(table: PanelTable, model: CalibrationModel, wishes: Wishes = BY_RULE) -> Calibration:
     """Fit a model to panels.
@@ -118,9 +136,18 @@ def calibrate(table: PanelTable, model: CalibrationModel, wishes: Wishes = BY_RU
     """
     check_panels(table)
     kept, dark, saturated = leave_out(table, wishes)
-    _check_model(kept, model)
-    fixed = _choose_fixed(kept, wishes)
+    refuse_plateau(kept, wishes)
+    refuse_wishes(model, wishes)
+    model = divide_at_one_range(kept, model)
+    refuse_model(kept, model)
+    fixed = () if model.range_alone else _choose_fixed(kept, wishes)
     reference = _choose_range(kept, fixed, model, wishes)
+    if model.range_alone:
+        fit = fit_alone(kept, model, Ranging(reference, wishes.breaks), wishes.noise)
+        return Calibration(
+            model, wishes, kept, dark, saturated, (), reference, kept.scans[0], fit, None
+        )  # fmt: skip
+    refuse_powers(kept, model, fixed, wishes)
     starts, scan, staged = find_starts(kept, model, wishes, fixed, reference)
     fit = fit_jointly(kept, starts, wishes.noise)
     return Calibration(
@@ -140,14 +167,19 @@ def leave_out(table: PanelTable, wishes: Wishes) -> tuple[PanelTable, int, int]:
     saturated = table.dn >= (np.inf if wishes.saturated is None else wishes.saturated)
     if saturated.all():
         raise BadInput(
-            f"All {len(table)} panels are saturated, at {wishes.saturated:g} DN or above.",
+            f"{_name_all(len(table))} saturated, at {wishes.saturated:g} DN or above.",
             "Scan darker panels or farther away, or correct --saturated.",
         )
     if (dark | saturated).all():
         raise BadInput(
-            f"All {len(table)} panels are dark or saturated.", "Correct --dark and --saturated."
+            f"{_name_all(len(table))} dark or saturated.",
+            "Correct --dark and --saturated.",
         )
     return table.pick(~(dark | saturated)), int((dark & ~saturated).sum()), int(saturated.sum())
+
+
+def _name_all(count: int) -> str:
+    return "The only panel is" if count == 1 else f"All {count} panels are"
 
 
 def find_starts(
@@ -206,15 +238,15 @@ def make_channel(calibration: Calibration, evidence: Evidence | None = None) -> 
 
     The chain begins with the power of the scan, 1 and sure for the reference scan: another scan
     replaces it by its own. It holds between the ranges of the panels; a model without a range
-    effect a little beyond (`NO_EFFECT_WITHIN`), for nobody knows what range does there.
+    effect a little beyond (`NO_EFFECT_WITHIN`), for nobody knows what range does there. A range
+    effect alone has no power before it: it takes numbers to numbers.
     """
     table, fit, wishes = calibration.table, calibration.fit, calibration.wishes
-    count = len(fit.found.step_names)
     nearest, farthest = _choose_limits(calibration)
-    steps = cast(tuple[AnyStep, ...], (Power(1.0), *fit.found.steps))
+    steps, noise_part, panel_part = _choose_steps(calibration)
     return ChannelCalibration(
         channel=table.channel,
-        steps=steps,
+        steps=cast(tuple[AnyStep, ...], steps),
         wavelength_nm=table.wavelength_nm,
         dark=wishes.dark,
         saturated=wishes.saturated,
@@ -222,10 +254,34 @@ def make_channel(calibration: Calibration, evidence: Evidence | None = None) -> 
         farthest=farthest,
         reflectances=(float(table.reflectance.min()), float(table.reflectance.max())),
         noise=fit.noise,
-        fit_covariance=_make_matrix(fit.noise_covariance[:count, :count]),
-        panel_covariance=_make_matrix(fit.panel_covariance[:count, :count]),
+        fit_covariance=() if fit.noise is None else _make_matrix(_widen(fit) * noise_part),
+        panel_covariance=_make_matrix(panel_part),
         evidence=evidence,
     )
+
+
+def _choose_steps(calibration: Calibration) -> tuple[tuple[Step, ...], Floats, Floats]:
+    """Steps of the profile, and the covariances of their parameters."""
+    fit = calibration.fit
+    if calibration.model.range_alone:
+        curve, covariance = keep_curve(fit)
+        return (curve,), covariance, np.zeros_like(covariance)
+    count, border = len(fit.found.step_names), ((1, 0), (1, 0))  # the power is sure
+    noise_part = np.pad(fit.noise_covariance[:count, :count], border)
+    panel_part = np.pad(fit.panel_covariance[:count, :count], border)
+    return (Power(1.0), *fit.found.steps), noise_part, panel_part
+
+
+def _widen(fit: JointFit) -> float:
+    """What a covariance is multiplied by for the few residuals that its size was told by.
+
+    A budget is read as that of a normal error. Few residuals are often small by chance, and a σ
+    from them then is: with Student's t over its normal value, 1.96 σ of the profile is the
+    95 % interval of the report.
+    """
+    if fit.scale == 1.0:  # a noise that was given, and that the residuals keep to: it is known
+        return 1.0
+    return (find_reach(fit.spare) / NORMAL_95) ** 2
 
 
 def _choose_limits(calibration: Calibration) -> tuple[float | None, float | None]:
@@ -238,54 +294,13 @@ def _choose_limits(calibration: Calibration) -> tuple[float | None, float | None
 
 
 def _make_matrix(covariance: Floats) -> Matrix:
-    """A covariance with a row of zeros for the power, as plain numbers."""
-    whole = np.pad(covariance, ((1, 0), (1, 0)))
-    return tuple(tuple(map(float, row)) for row in whole)
-
-
-def _check_model(table: PanelTable, model: CalibrationModel) -> None:
-    """Refuse a table that has too little for the model, or numbers that it cannot give."""
-    shades = len(np.unique(table.reflectance))
-    least = LEAST_PANELS[model.response.name]
-    if shades < least:
-        raise BadInput(
-            f"{model.response.title} needs panels of {least} reflectances; the table has {shades}"
-            " that can be used.",
-            "Add panels, or choose a simpler model.",
-        )
-    if model.range_effect is not None and model.fits_range:
-        places, least = len(find_ranges(table.distance)), LEAST_RANGES[model.range_effect.name]
-        if places == 1:
-            raise BadInput(
-                f"All panels are at {table.distance[0]:g} m, so that the table says nothing about"
-                " the range.",
-                f"Choose a model without range: --model {model.response.name}.",
-            )
-        if places < least:
-            raise BadInput(
-                f"{model.range_effect.title} needs panels at {least} ranges; the table has"
-                f" {places}.",
-                "Add ranges, or choose another range effect.",
-            )
-    if model.response.name in ("salca", "proportional"):
-        _check_negative(table, model)
-
-
-def _check_negative(table: PanelTable, model: CalibrationModel) -> None:
-    reach = np.full(len(table), BELOW_NOISE * float(np.abs(table.dn).max()))
-    if table.dn_sigma is not None:
-        reach = SIGMAS_BELOW * table.dn_sigma
-    below = table.dn < -reach
-    if below.any():
-        first = int(np.argmax(below))
-        raise BadInput(
-            f"Row {table.lines[first]} has {table.dn[first]:g} DN, and {model.response.title} gives"
-            " none below 0.",
-            "Choose another model (log and linear may be negative), or leave it out (--dark DN).",
-        )
+    """A covariance as plain numbers."""
+    return tuple(tuple(map(float, row)) for row in covariance)
 
 
 def _choose_fixed(table: PanelTable, wishes: Wishes) -> tuple[str, ...]:
+    if wishes.same_power:
+        return ()
     if not wishes.fixed_panels:
         return find_fixed_panels(table)
     unknown = [name for name in wishes.fixed_panels if name not in table.panels]

@@ -65,14 +65,18 @@ class JointFit:
         Steps and powers with the values found.
     noise_covariance, panel_covariance : (p, p) arrays
         Of the parameters as they are (no logarithms), in the order of ``found.names``.
+        Noise: NaN where nothing tells it, with as many parameters as rows and no known noise.
     low, high : (p,) arrays
-        95 % intervals: noise (Student's t) and panels together.
-    noise : Noise
-        Of a number.
+        95 % intervals: noise (Student's t) and panels together; NaN where noise is not known.
+    noise : Noise or None
+        Of a number; None: not known.
     scale : float
-        Size of the residuals over the noise that was taken: 1 where it was estimated.
+        Size of the residuals over the noise that was taken: 1 where it was estimated, and not
+        less where it was given, for a few residuals may be small by chance.
     freedom : int
         Rows less parameters.
+    spare : int
+        Rows less the directions that parameters and unsure panels took: what noise is judged by.
     fitted, residual, sigma : (n,) arrays
         DN: of the fit, measured less fitted, and σ of a row.
     singular : (p,) array
@@ -84,9 +88,10 @@ class JointFit:
     panel_covariance: Floats
     low: Floats
     high: Floats
-    noise: Noise
+    noise: Noise | None
     scale: float
     freedom: int
+    spare: int
     fitted: Floats
     residual: Floats
     sigma: Floats
@@ -154,7 +159,7 @@ def fit_jointly(
     starts : Unknowns or several
         The fit goes on from the one that leads to the least squares.
     noise : Noise, optional
-        Known noise, of which the size is still taken from the residuals; without it, and
+        Known noise, which is enlarged where the residuals are larger; without it, and
         without σ in the table, noise is estimated in turns with the fit.
 
     Raises
@@ -166,9 +171,9 @@ def fit_jointly(
     """
     starts = (starts,) if isinstance(starts, Unknowns) else starts
     freedom = len(table) - len(starts[0])
-    if freedom < 1:
+    if freedom < 0:
         raise BadInput(
-            f"{len(table)} rows cannot determine {len(starts[0])} parameters.",
+            f"{count_rows(len(table))} cannot determine {len(starts[0])} parameters.",
             "Add panels or scans, or choose a simpler model.",
         )
     found, fitted, sigma = _iterate(table, starts, noise)
@@ -177,7 +182,9 @@ def fit_jointly(
     singular, turned, lengths = decompose(weighted, found.names)
     residual = table.dn - fitted
     rest, used = _leave_noise(table, found, sigma)
-    scale = float(np.sqrt(np.sum((rest / sigma) ** 2) / (len(table) - used)))
+    spare = len(table) - used
+    given = noise is not None or table.dn_sigma is not None
+    scale = _find_scale(rest / sigma, spare, given)
     inverse = (turned.T / singular) / lengths[:, None]
     noise_part = scale**2 * inverse @ inverse.T
     pulls = inverse @ inverse.T @ (weighted.T / sigma) * slope
@@ -186,12 +193,34 @@ def fit_jointly(
     if vague.any():
         raise Undetermined(tuple(name for name, at in zip(found.names, vague, strict=True) if at))
     known = _describe_noise(table, fitted, sigma, scale, noise, (rest, used))
+    if known is None:
+        noise_part = np.full_like(noise_part, np.nan)
     stretch = np.outer(found.stretch(), found.stretch())
-    low, high = _find_interval(found, noise_part, panel_part, len(table) - used)
+    low, high = _find_interval(found, noise_part, panel_part, spare)
     return JointFit(
         found, noise_part * stretch, panel_part * stretch, low, high,
-        known, scale, freedom, fitted, residual, sigma, singular,
+        known, scale, freedom, spare, fitted, residual, sigma, singular,
     )  # fmt: skip
+
+
+def count_rows(count: int) -> str:
+    """``1 row``, ``2 rows``."""
+    return f"{count} row" if count == 1 else f"{count} rows"
+
+
+def find_reach(spare: int) -> float:
+    """Half a 95 % interval in σ: Student's t, or normal where the residuals tell nothing."""
+    from scipy.stats import t
+
+    return float(t.ppf(0.975, spare)) if spare > 0 else NORMAL_95
+
+
+def _find_scale(rest: Floats, spare: int, given: bool) -> float:
+    """Size of what is left over, in σ."""
+    if spare <= 0:
+        return 1.0
+    scale = float(np.sqrt(np.sum(rest**2) / spare))
+    return max(scale, 1.0) if given else scale
 
 
 def _leave_noise(table: PanelTable, found: Unknowns, sigma: Floats) -> tuple[Floats, int]:
@@ -282,6 +311,8 @@ def _iterate(
         if table.dn_sigma is not None:
             break
         rest, used = _leave_noise(table, found, sigma)
+        if noise is None and used >= len(table):
+            break
         kept = noise or estimate_noise(rest, fitted, used)
         before, sigma = sigma, kept.sigma(fitted)
         if np.allclose(sigma, before, rtol=SETTLED):
@@ -301,9 +332,11 @@ def _first_sigma(table: PanelTable, noise: Noise | None) -> Floats:
 def _describe_noise(
     table: PanelTable, fitted: Floats, sigma: Floats, scale: float, noise: Noise | None,
     left: tuple[Floats, int],
-) -> Noise:  # fmt: skip
+) -> Noise | None:  # fmt: skip
     """The noise as the profile tells it."""
     if table.dn_sigma is None and noise is None:
+        if left[1] >= len(table):
+            return None
         return estimate_noise(left[0], fitted, left[1])
     if noise is not None and table.dn_sigma is None:
         return Noise(noise.constant * scale, noise.share * scale)
@@ -320,11 +353,9 @@ def _gather_panels(pulls: Floats, table: PanelTable) -> Floats:
 
 
 def _find_interval(
-    found: Unknowns, noise_part: Floats, panel_part: Floats, freedom: int
+    found: Unknowns, noise_part: Floats, panel_part: Floats, spare: int
 ) -> tuple[Floats, Floats]:
-    from scipy.stats import t
-
-    reach = t.ppf(0.975, freedom) ** 2 * np.diag(noise_part) + NORMAL_95**2 * np.diag(panel_part)
+    reach = find_reach(spare) ** 2 * np.diag(noise_part) + NORMAL_95**2 * np.diag(panel_part)
     ends = []
     for sign in (-1.0, 1.0):
         end = found.vector() + sign * np.sqrt(reach)

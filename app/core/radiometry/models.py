@@ -39,13 +39,25 @@ class CalibrationModel:
 
     @property
     def name(self) -> str:
-        """``response`` or ``response+range``."""
+        """``response``, ``response+range`` or, without a response, ``range``."""
+        if self.range_alone and self.range_effect:
+            return self.range_effect.name
         return self.response.name + (f"+{self.range_effect.name}" if self.range_effect else "")
 
     @property
     def range_scale(self) -> RangeScale:
         """Behind a logarithm weaker light is a shift (Balduzzi 2011), else a factor."""
-        return "additive" if self.response.name == "log" else "multiplicative"
+        return "additive" if self.response.name in ("log", "none") else "multiplicative"
+
+    @property
+    def range_alone(self) -> bool:
+        """Whether numbers stay numbers, as at the reference range."""
+        return self.response is NO_RESPONSE
+
+    @property
+    def fits_curve(self) -> bool:
+        """Whether the range effect is a curve through levels."""
+        return self.range_effect is not None and self.range_effect.name in CURVES
 
     @property
     def fits_range(self) -> bool:
@@ -86,6 +98,15 @@ RESPONSES = {
         ),
     )
 }
+NO_RESPONSE = Part(
+    "none",
+    "Range effect alone",
+    "I_c = DN − F(range), as at the reference range",
+    "Balduzzi et al. 2011, equation 7",
+    "one panel or more, at three or more ranges",
+)
+CURVES = ("polynomial", "spline")
+"""Range effects that may be fitted alone."""
 RANGE_EFFECTS = {
     part.name: part
     for part in (
@@ -133,14 +154,14 @@ PAPERS: Mapping[str, str] = {
     "kaasalainen": "proportional+spline",
     "hancock": "salca+analytic",
 }
-LEAST_PANELS = {"log": 2, "linear": 2, "proportional": 1, "salca": 3}
+LEAST_PANELS = {"none": 1, "log": 2, "linear": 2, "proportional": 1, "salca": 3}
 """Reflectances that a response needs."""
 LEAST_RANGES = {"polynomial": 3, "spline": 3, "analytic": 4, "analytic-inner": 4}
 """Ranges that a range effect needs."""
 
 
 def choose_model(text: str) -> CalibrationModel:
-    """The model of a name: RESPONSE, RESPONSE+RANGE or the name of a paper.
+    """The model of a name: RESPONSE, RESPONSE+RANGE, a curve over range, or a paper.
 
     Raises
     ------
@@ -148,11 +169,14 @@ def choose_model(text: str) -> CalibrationModel:
         There is no such model.
     """
     wanted = text.strip().lower()
+    if wanted in CURVES:
+        return CalibrationModel(NO_RESPONSE, RANGE_EFFECTS[wanted])
     response, _, effect = PAPERS.get(wanted, wanted).partition("+")
     if response not in RESPONSES or (effect and effect not in RANGE_EFFECTS):
         raise WrongUse(
             f"There is no calibration model {text!r}.",
             f"Give a response ({', '.join(RESPONSES)}), with a range effect if there is one "
-            f"(+{', +'.join(RANGE_EFFECTS)}), or a paper: {', '.join(PAPERS)}.",
+            f"(+{', +'.join(RANGE_EFFECTS)}), the range effect alone ({', '.join(CURVES)}), or a "
+            f"paper: {', '.join(PAPERS)}.",
         )
     return CalibrationModel(RESPONSES[response], RANGE_EFFECTS[effect] if effect else None)

@@ -92,14 +92,23 @@ def take_nodes(breaks: Sequence[float], distance: Floats, reference: float) -> N
     return Nodes(tuple(sorted({low, *map(float, breaks), reference, high})), 1)
 
 
+def take_every(distance: Floats, reference: float) -> Nodes:
+    """A node at every range: what a panel at the same range says is taken as it is."""
+    ranges = place_reference(find_ranges(distance), reference)
+    return Nodes(tuple(map(float, ranges)), 1)
+
+
 def choose_nodes(
     distance: Floats,
     reference: float,
     scale: RangeScale,
     misfit: Callable[[PolynomialCurve], float],
     orders: Sequence[Order] = (1, 2),
+    beside: int = 1,
 ) -> Nodes:
     """The nodes with the least BIC.
+
+    Where the rows are just as many as the parameters, the simplest curve is taken.
 
     Parameters
     ----------
@@ -110,17 +119,21 @@ def choose_nodes(
     misfit : callable
         Sum of squared residuals of the best fit with a curve's nodes, over that of no fit.
     orders : sequence of {1, 2}
+    beside : int
+        Parameters that `misfit` fits beside the levels.
 
     Raises
     ------
     BadInput
-        Not even the simplest curve has fewer parameters than there are rows.
+        Even the simplest curve has more parameters than there are rows.
     """
     count = len(distance)
     best: tuple[float, Nodes] | None = None
+    exact: Nodes | None = None
     for nodes in _offer(place_reference(find_ranges(distance), reference), reference, orders):
-        parameters = len(nodes.ranges) + 1
+        parameters = len(nodes.ranges) + beside
         if parameters >= count:
+            exact = nodes if parameters == count else exact
             continue
         levels = (0.0 if scale == "additive" else 1.0,) * len(nodes.ranges)
         curve = PolynomialCurve(scale, nodes.ranges, levels, reference, nodes.order)
@@ -128,11 +141,12 @@ def choose_nodes(
         bic = count * np.log(rss / count) + parameters * np.log(count)
         if best is None or bic < best[0]:
             best = float(bic), nodes
-    if best is None:
-        raise BadInput(
-            f"{count} rows cannot determine a curve over range.", "Add panels at other ranges."
-        )
-    return best[1]
+    if best is not None:
+        return best[1]
+    if exact is not None:
+        return exact
+    rows = "1 row" if count == 1 else f"{count} rows"
+    raise BadInput(f"{rows} cannot determine a curve over range.", "Add panels at other ranges.")
 
 
 def _offer(ranges: Floats, reference: float, orders: Sequence[Order]) -> Iterator[Nodes]:

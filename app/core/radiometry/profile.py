@@ -14,6 +14,9 @@ from app.core.radiometry.chain import AnyStep
 
 Origin = Literal["yours", "published"]
 Matrix = tuple[tuple[float, ...], ...]
+MOST_MARGIN = 0.1
+"""Metres by which the limits of a channel may lie beyond where its steps are known: ranges have
+noise, and a panel at the border of the calibration still counts."""
 
 
 class Noise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -127,6 +130,20 @@ class ChannelCalibration(
             raise WrongUse("The σ of a range must be a number of metres from 0 on.")
         for matrix in (self.fit_covariance, self.panel_covariance):
             self._check_matrix(matrix)
+        self._check_limits()
+
+    def _check_limits(self) -> None:
+        near, far = chains.known_ranges(self.steps)
+        beyond = max(
+            near - (near if self.nearest is None else self.nearest),
+            0.0 if self.farthest is None else self.farthest - far,
+        )
+        if not beyond <= MOST_MARGIN * (1.0 + 1e-9):
+            raise WrongUse(
+                f"The limits of {self.channel} lie {beyond:g} m beyond the {near:g} to {far:g} m "
+                f"that its range effect is known for; {MOST_MARGIN:g} m is allowed.",
+                "Correct nearest and farthest, or calibrate at these ranges.",
+            )
 
     def _check_matrix(self, matrix: Matrix) -> None:
         size = len(chains.names(self.steps))

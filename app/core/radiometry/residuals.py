@@ -13,12 +13,17 @@ from app.core.radiometry.calibration import Calibration
 from app.core.radiometry.joint import fit_jointly
 from app.core.radiometry.panels import PanelTable
 from app.core.radiometry.profile import Evidence
+from app.core.radiometry.range_alone import predict_alone
+from app.core.radiometry.start import Ranging
 from app.core.radiometry.unknowns import Unknowns
 
 
 @dataclass(frozen=True, slots=True)
 class MaterialScore:
     """Errors of one panel, in reflectance unless they are called DN.
+
+    Where the range effect was fitted alone all are DN: of the corrected number about the panel's
+    own level, and for a panel that was left out about the mean of its corrected numbers.
 
     Attributes
     ----------
@@ -53,10 +58,18 @@ def recover_reflectance(unknowns: Unknowns, table: PanelTable) -> Floats:
     return np.asarray(light / power)
 
 
+def find_errors(calibration: Calibration) -> Floats:
+    """Found less true of each row, reflectance or, without a response, DN, (n,)."""
+    if calibration.model.range_alone:
+        return calibration.fit.residual
+    table = calibration.table
+    return recover_reflectance(calibration.fit.found, table) - table.reflectance
+
+
 def score_materials(calibration: Calibration) -> tuple[MaterialScore, ...]:
     """RMSE and bias of each panel, with and without it in the fit."""
     table, fit = calibration.table, calibration.fit
-    error = recover_reflectance(fit.found, table) - table.reflectance
+    error = find_errors(calibration)
     scores = []
     for panel in table.panels:
         mine = table.panel == panel
@@ -71,7 +84,8 @@ def score_materials(calibration: Calibration) -> tuple[MaterialScore, ...]:
                 root_mean_square(fit.residual[mine]),
                 mean(fit.residual[mine]),
                 None if without is None else root_mean_square(without),
-                None if without is None else mean(without),
+                # About their own mean there is none.
+                None if without is None or calibration.model.range_alone else mean(without),
             )
         )
     return tuple(scores)
@@ -80,6 +94,9 @@ def score_materials(calibration: Calibration) -> tuple[MaterialScore, ...]:
 def predict_left_out(calibration: Calibration, panel: str) -> Floats | None:
     """Errors of a panel's reflectances from a fit without it; None where there is no such fit."""
     table, fit = calibration.table, calibration.fit
+    if calibration.model.range_alone:
+        ranging = Ranging(calibration.reference_range, calibration.wishes.breaks)
+        return predict_alone(table, panel, calibration.model, ranging, fit.noise)
     mine = table.panel == panel
     others = table.pick(~mine)
     if not len(others):
@@ -102,7 +119,7 @@ def restrict_scans(unknowns: Unknowns, table: PanelTable) -> Unknowns:
 def gather_evidence(calibration: Calibration, scores: tuple[MaterialScore, ...]) -> Evidence:
     """What the profile tells about how the calibration was made."""
     table = calibration.table
-    error = recover_reflectance(calibration.fit.found, table) - table.reflectance
+    error = find_errors(calibration)
     outside = [score for score in scores if score.left_out_rmse is not None]
     squares = sum(score.rows * (score.left_out_rmse or 0.0) ** 2 for score in outside)
     rows = sum(score.rows for score in outside)

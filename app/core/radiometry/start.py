@@ -21,6 +21,7 @@ from app.core.radiometry.nodes import (
     choose_nodes,
     find_ranges,
     place_reference,
+    take_every,
     take_nodes,
 )
 from app.core.radiometry.panels import PanelTable
@@ -33,6 +34,8 @@ GRID_A = (1.0, 1.5, 2.0, 2.5)
 GRID_K2 = (0.05, 0.15, 0.5, 1.5)
 GRID_K3 = (0.3, 0.7, 1.5)
 GRID_K = np.geomspace(0.3, 100.0, 40)
+LEAST_RISE = 1e-9
+"""Share of the largest number; less is rounding."""
 DIMMEST = 1e-3
 """Least level of a multiplicative curve at the start, as a share of the largest."""
 
@@ -101,13 +104,13 @@ def guess_powers(table: PanelTable, fixed: Sequence[str], log: bool) -> Floats:
     if log:
         decades = np.log10(rows.reflectance)[:, None]
         slope = decades if np.ptp(decades) > 0 else np.empty((len(rows), 0))
-        found = _solve(np.hstack([each, slope]), rows.dn)
+        found = solve_linear(np.hstack([each, slope]), rows.dn)
         steep = found[-1] if slope.size else _guess_slope(table)
         return np.asarray(10.0 ** ((found[: len(table.scans)] - found[0]) / steep))
     columns = each * rows.reflectance[:, None]
     if len(rows.panels) > 1:
         columns = np.hstack([columns, np.ones((len(rows), 1))])
-    found = _solve(columns, rows.dn)[: len(table.scans)]
+    found = solve_linear(columns, rows.dn)[: len(table.scans)]
     return (
         np.asarray(np.maximum(found / found[0], DIMMEST)) if found[0] > 0 else np.ones(len(found))
     )
@@ -116,7 +119,7 @@ def guess_powers(table: PanelTable, fixed: Sequence[str], log: bool) -> Floats:
 def _guess_slope(table: PanelTable) -> float:
     """DN per decade, over all rows."""
     columns = np.stack([np.ones(len(table)), np.log10(table.reflectance)], axis=1)
-    return max(float(_solve(columns, table.dn)[1]), 1e-6)
+    return max(float(solve_linear(columns, table.dn)[1]), 1e-6)
 
 
 def _offer_effects(effect: str, table: PanelTable, ranging: Ranging) -> Sequence[Step | None]:
@@ -149,11 +152,11 @@ def guess_response(model: CalibrationModel, light: Floats, dn: Floats) -> Step:
         return guess_salca(light, dn)
     if name == "proportional":
         gain = float(light @ dn / (light @ light))
-        _refuse_falling(gain)
+        _refuse_falling(gain * float(light.max()), dn)
         return Proportional(gain)
     x = np.log10(light) if name == "log" else light
-    offset, slope = _solve(np.stack([np.ones(len(x)), x], axis=1), dn)
-    _refuse_falling(slope if np.ptp(x) > 0 else 0.0)
+    offset, slope = solve_linear(np.stack([np.ones(len(x)), x], axis=1), dn)
+    _refuse_falling(slope * float(np.ptp(x)), dn)
     return (
         LogResponse(slope, offset) if name == "log" else LinearResponse(1 / slope, -offset / slope)
     )
@@ -165,7 +168,7 @@ def guess_salca(light: Floats, dn: Floats) -> SalcaResponse:
     for k in GRID_K:
         rise = -np.expm1(-k * light)
         columns = np.stack([light * rise, rise], axis=1)
-        m, c = _solve(columns, dn)
+        m, c = solve_linear(columns, dn)
         top = max(abs(m), abs(c), 1e-9)
         m, c = max(m, 1e-3 * top), max(c, 1e-3 * top)
         misfit = float(np.sum((columns @ (m, c) - dn) ** 2))
@@ -178,8 +181,8 @@ def guess_levels(
     nodes: Nodes, model: CalibrationModel, reference: float, factor: Floats, distance: Floats
 ) -> RangeCurve:
     """A multiplicative curve through factors that were seen at distances."""
-    curve = _make_curve(nodes, model, reference)
-    found = _solve(curve.shares(distance).T, factor)
+    curve = make_curve(nodes, model, reference)
+    found = solve_linear(curve.shares(distance).T, factor)
     at = curve.ranges.index(reference)
     levels = found / found[at] if found[at] > 0 else np.ones(len(found))
     raised = np.maximum(levels, DIMMEST * levels.max())
@@ -200,13 +203,23 @@ def find_nodes(
     seen = number[rows] if additive else np.log(number[rows])
     spread = float(np.sum((seen - seen.mean()) ** 2)) or 1.0
 
-    def measure(curve: PolynomialCurve) -> float:
-        columns = np.vstack([curve.shares(distance), np.log(light)]).T[rows]
-        return float(np.sum((columns @ _solve(columns, seen) - seen) ** 2)) / spread
+    slopes = np.log(light)[None]
+    if model.response.name == "proportional":  # its slope is known
+        seen, slopes = seen - slopes[0, rows], slopes[:0]
 
+    def measure(curve: PolynomialCurve) -> float:
+        columns = np.vstack([curve.shares(distance), slopes]).T[rows]
+        return float(np.sum((columns @ solve_linear(columns, seen) - seen) ** 2)) / spread
+
+    return choose_nodes(
+        distance, ranging.reference, model.range_scale, measure, orders_of(model), len(slopes)
+    )
+
+
+def orders_of(model: CalibrationModel) -> tuple[Order, ...]:
+    """Orders of the pieces that a model's curve may have."""
     named = model.range_effect.name if model.range_effect else ""
-    orders: tuple[Order, ...] = (1, 2) if named == "polynomial" else (1,)
-    return choose_nodes(distance, ranging.reference, model.range_scale, measure, orders)
+    return (1, 2) if named == "polynomial" else (1,)
 
 
 def guess_front(
@@ -232,19 +245,23 @@ def _guess_curve(
         response = guess_salca(weakened, table.dn)
         return guess_front(table, model, ranging, light, response), response
     number = table.dn - _guess_offset(table, model, ranging, light)
-    nodes = find_nodes(model, ranging, number, light, table.distance)
-    curve = _make_curve(nodes, model, ranging.reference)
+    alike = model.response.name == "proportional" and float(np.ptp(table.reflectance)) == 0
+    if alike and not ranging.breaks:  # divided by the panel at the same range, as the paper does
+        nodes = take_every(table.distance, ranging.reference)
+    else:
+        nodes = find_nodes(model, ranging, number, light, table.distance)
+    curve = make_curve(nodes, model, ranging.reference)
     shares = curve.shares(table.distance)
     at = curve.ranges.index(ranging.reference)
     if model.range_scale == "additive":
         columns = np.vstack([shares, np.log10(light)]).T
-        found = _solve(columns, table.dn)
+        found = solve_linear(columns, table.dn)
         a0, a1 = float(found[-1]), float(found[at])
-        _refuse_falling(a0)
+        _refuse_falling(a0 * float(np.ptp(np.log10(light))), table.dn)
         return LogResponse(a0, a1), curve.with_values(np.delete(found[:-1] - a1, at))
     offset = np.ones((1 if model.response.name == "linear" else 0, len(table)))
-    levels = _solve(np.vstack([shares * light, offset]).T, table.dn)[: len(shares)]
-    _refuse_falling(float(levels[at]))
+    levels = solve_linear(np.vstack([shares * light, offset]).T, table.dn)[: len(shares)]
+    _refuse_falling(float(levels[at]) * float(light.max()), table.dn)
     relative = np.maximum(levels / levels[at], DIMMEST)
     front = curve.with_values(np.delete(relative, at))
     return front, guess_response(model, front.respond(light, table.distance), table.dn)
@@ -257,12 +274,13 @@ def _guess_offset(
     if model.response.name != "linear":
         return 0.0
     ranges = place_reference(find_ranges(table.distance), ranging.reference)
-    every = _make_curve(Nodes(tuple(ranges.tolist()), 1), model, ranging.reference)
+    every = make_curve(Nodes(tuple(ranges.tolist()), 1), model, ranging.reference)
     columns = np.vstack([every.shares(table.distance) * light, np.ones(len(light))])
-    return float(_solve(columns.T, table.dn)[-1])
+    return float(solve_linear(columns.T, table.dn)[-1])
 
 
-def _make_curve(nodes: Nodes, model: CalibrationModel, reference: float) -> RangeCurve:
+def make_curve(nodes: Nodes, model: CalibrationModel, reference: float) -> RangeCurve:
+    """A curve of a model that is flat as yet."""
     levels = (0.0 if model.range_scale == "additive" else 1.0,) * len(nodes.ranges)
     if model.range_effect is not None and model.range_effect.name == "spline":
         return SplineCurve(model.range_scale, nodes.ranges, levels, reference)
@@ -274,13 +292,15 @@ def _measure_misfit(table: PanelTable, steps: tuple[Step, ...], light: Floats) -
     return float(np.sum(away**2)) if np.isfinite(away).all() else np.inf
 
 
-def _refuse_falling(slope: float) -> None:
-    if not slope > 0:
+def _refuse_falling(rise: float, dn: Floats) -> None:
+    """Refuse numbers that do not rise from the darkest panel to the brightest: not by rounding."""
+    if not rise > LEAST_RISE * float(np.abs(dn).max()):
         raise BadInput(
             "The DN does not rise with the reflectance of the panels.",
             "Check the columns, and leave saturated panels out (--saturated DN).",
         )
 
 
-def _solve(columns: Floats, target: Floats) -> Floats:
+def solve_linear(columns: Floats, target: Floats) -> Floats:
+    """Linear least squares."""
     return np.asarray(np.linalg.lstsq(columns, target, rcond=None)[0], float)

@@ -50,14 +50,14 @@ def test_each_cause_has_its_mark() -> None:
 
 
 def test_a_margin_takes_the_effect_as_at_its_end() -> None:
-    near = replace(LS880, nearest=0.9, farthest=10.5)
-    values, marks = reflect(near, np.full(4, 1500.0), np.array([0.95, 1.0, 10.4, 10.6]))
+    near = replace(LS880, nearest=0.92, farthest=10.1)
+    values, marks = reflect(near, np.full(4, 1500.0), np.array([0.95, 1.0, 10.05, 10.6]))
     assert marks.tolist() == [GOOD, GOOD, GOOD, BEYOND_RANGE]
     assert values[0] == values[1]
     assert values[2] == reflect(LS880, np.full(1, 1500.0), np.array([10.0]))[0][0]
     sure = replace(near, noise=Noise(2.0), fit_covariance=((0.0,) * 4,) * 4,
                    panel_covariance=((0.0,) * 4,) * 4)  # fmt: skip
-    budget = error_budget(sure, values, np.full(4, 1500.0), np.array([0.95, 1.0, 10.4, 10.6]))
+    budget = error_budget(sure, values, np.full(4, 1500.0), np.array([0.95, 1.0, 10.05, 10.6]))
     assert np.isfinite(budget.sigma).tolist() == [True, True, True, False]
 
 
@@ -93,6 +93,8 @@ def test_fields_are_named_by_what_they_hold() -> None:
         lambda: ChannelCalibration("x", (CURVE,), wavelength_nm=-1.0),
         lambda: ChannelCalibration("x", (CURVE,), fit_covariance=((1.0,),)),
         lambda: ChannelCalibration("x", (CURVE,), range_sigma=-1.0),
+        lambda: ChannelCalibration("x", (CURVE,), nearest=0.5),
+        lambda: ChannelCalibration("x", (CURVE,), farthest=500.0),
         lambda: Noise(-1.0),
     ],
 )

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 
 from app.core.radiometry.calibration import Wishes
 from app.core.radiometry.models import RANGE_EFFECTS, RESPONSES, CalibrationModel
+from app.core.radiometry.profile import MOST_MARGIN
 from app.services.calibrate import Naming
 from widgets.common.numbers import NumberField
 
@@ -67,7 +68,7 @@ class MakingForm(QWidget):
         self.more = QToolButton(self)
         self.limits = QWidget(self)
         self.reference = NumberField(0.0, FARTHEST, 3, "m", self)
-        self.margin = NumberField(0.0, FARTHEST, 3, "m", self)
+        self.margin = NumberField(0.0, MOST_MARGIN, 3, "m", self)
         self.dark = NumberField(UNSET, LARGEST_DN, 1, "DN", self)
         self.saturated = NumberField(UNSET, LARGEST_DN, 1, "DN", self)
         self._proposed: dict[NumberField, float] = {}

@@ -72,7 +72,14 @@ class PowerPage(QWidget):
         self.in_use.show_facts((name, self._tell(said.get(name))) for name in names)
         self.reset_button.setEnabled(bool(said))
         self._fill([(leaf.key, leaf.name) for leaf in leaves])
-        mark = (key, Same(profile), Same(state.scan))
+        mark = (
+            key,
+            Same(profile),
+            Same(state.scan),
+            Same(state.deleted),
+            state.parameters.beam,
+            state.parameters.partial_hits,
+        )
         if mark != self._measured_for:
             self._measured_for = mark
             self._forget()

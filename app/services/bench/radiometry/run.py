@@ -66,7 +66,7 @@ def bench_radiometry(quick: bool = False, progress: Progress = QUIET) -> Bench:
         *judge_junttila(found["junttila"]),
         *judge_budget(budget.rows),
     ]
-    tables = (tabulate_goals(goals), *costs, budget, *papers)
+    tables = (tabulate_goals(goals, quick), *costs, budget, *papers)
     return Bench(NAME, tables, {NAME: partial(draw_costs, costs)})
 
 
