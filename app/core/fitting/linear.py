@@ -21,8 +21,8 @@ def solve_bounded(
     ----------
     columns : (..., k, n) array
     target : (..., n) array
-        Broadcasts against the stack.
-    lower, upper : (k,) arrays
+        The stacks of columns and targets broadcast.
+    lower, upper : (..., k) arrays
         Bounds; at most two columns may be bounded, and then there are no others.
 
     Returns
@@ -30,13 +30,17 @@ def solve_bounded(
     coefficients : (..., k) array
     residual : (..., n) array
     """
-    target = np.broadcast_to(target, (*columns.shape[:-2], columns.shape[-1]))
     best, residual = solve_free(columns, target)
     outside = ((best < lower) | (best > upper)).any(axis=-1)
     if not outside.any():
         return best, residual
-    on_edge, edge_residual = _solve_on_edges(columns[outside], target[outside], lower, upper)
-    best[outside], residual[outside] = on_edge, edge_residual
+    stack, count = best.shape[:-1], best.shape[-1:]
+    best[outside], residual[outside] = _solve_on_edges(
+        np.broadcast_to(columns, (*stack, *columns.shape[-2:]))[outside],
+        np.broadcast_to(target, residual.shape)[outside],
+        np.broadcast_to(lower, stack + count)[outside],
+        np.broadcast_to(upper, stack + count)[outside],
+    )
     return best, residual
 
 
@@ -45,14 +49,15 @@ def solve_free(columns: Floats, target: Floats) -> tuple[Floats, Floats]:
 
     A dependent column gets the coefficient 0. Shapes as in `solve_bounded`.
     """
-    count = columns.shape[-2]
+    count, stack = columns.shape[-2], columns.shape[:-2]
+    both = np.broadcast_shapes(stack, target.shape[:-1])
     q = columns.astype(np.float64, copy=True)
-    residual = np.array(target, dtype=np.float64)
-    r = np.zeros((*columns.shape[:-2], count, count))
-    z = np.zeros(columns.shape[:-1])
+    residual = np.array(np.broadcast_to(target, (*both, columns.shape[-1])), dtype=np.float64)
+    r = np.zeros((*stack, count, count))
+    z = np.zeros((*both, count))
     start = _length(q)
     for j in range(count):
-        length = _length(q[..., j, :])
+        length = _length(q[..., j, :]) if j else start[..., 0]
         told = length > DEPENDENT * start[..., j]
         scale = np.divide(1.0, length, out=np.zeros_like(length), where=told)
         q[..., j, :] *= scale[..., None]
@@ -84,16 +89,16 @@ def _solve_on_edges(
     residual = np.array(target)
     least = np.full(columns.shape[:-2], np.inf)
     for j, bound in itertools.product(range(columns.shape[-2]), (lower, upper)):
-        if not np.isfinite(bound[j]):
+        if not np.isfinite(bound[..., j]).all():
             continue
         trial = np.zeros_like(best)
-        trial[..., j] = bound[j]
-        rest = target - bound[j] * columns[..., j, :]
+        trial[..., j] = bound[..., j]
+        rest = target - bound[..., j, None] * columns[..., j, :]
         for i in set(range(columns.shape[-2])) - {j}:
             square = _dot(columns[..., i, :], columns[..., i, :])
             along = _dot(columns[..., i, :], rest)
             ideal = np.divide(along, square, out=np.zeros_like(square), where=square > 0)
-            trial[..., i] = np.clip(ideal, lower[i], upper[i])
+            trial[..., i] = np.clip(ideal, lower[..., i], upper[..., i])
             rest = rest - trial[..., i, None] * columns[..., i, :]
         rss = _dot(rest, rest)
         better = rss < least

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
-from app.core.arrays import AnyArray, Bools, Floats
+from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.errors import BadInput
-from app.core.phase import PhaseModel
+from app.core.phase.angular import AngularModel
 
 # Squares of larger values overflow.
 LARGEST = 1e150
@@ -30,6 +30,8 @@ class Pairs:
     scale, weight_scale : float
     warnings : tuple of str
         What was left out.
+    kept : (N,) array of bool
+        Which of the given pairs these are.
     """
 
     angle: Floats
@@ -38,12 +40,15 @@ class Pairs:
     scale: float
     weight_scale: float
     warnings: tuple[str, ...] = ()
+    kept: Bools = field(default_factory=lambda: np.ones(0, np.bool_), repr=False)
 
     def __len__(self) -> int:
         return len(self.angle)
 
 
-def choose_pairs(model: PhaseModel, angle: Floats, value: Floats, weights: Floats | None) -> Pairs:
+def choose_pairs(
+    model: AngularModel, angle: Floats, value: Floats, weights: Floats | None
+) -> Pairs:
     """Leave out what cannot be fitted, and count it.
 
     Raises
@@ -51,9 +56,9 @@ def choose_pairs(model: PhaseModel, angle: Floats, value: Floats, weights: Float
     BadInput
         Lengths differ, or a weight is negative.
     """
-    angle = _flatten("angle", angle)
-    value = _flatten("value", value)
-    weight = np.ones(len(angle)) if weights is None else _flatten("weight", weights)
+    angle = as_numbers("angle", angle).ravel()
+    value = as_numbers("value", value).ravel()
+    weight = np.ones(len(angle)) if weights is None else as_numbers("weight", weights).ravel()
     if not len(angle) == len(value) == len(weight):
         raise BadInput(
             f"A fit needs as many values as angles: {len(angle)} angles, {len(value)} values,"
@@ -72,14 +77,21 @@ def choose_pairs(model: PhaseModel, angle: Floats, value: Floats, weights: Float
     scale = float(np.abs(value[keep]).max(initial=0.0)) or 1.0
     weight_scale = float(weight[keep].max(initial=0.0)) or 1.0
     return Pairs(
-        angle[keep], value[keep] / scale, weight[keep] / weight_scale, scale, weight_scale, warnings
+        angle[keep],
+        value[keep] / scale,
+        weight[keep] / weight_scale,
+        scale,
+        weight_scale,
+        warnings,
+        keep,
     )
 
 
-def _flatten(what: str, numbers: npt.ArrayLike) -> Floats:
+def as_numbers(what: str, numbers: npt.ArrayLike) -> Floats:
+    """Real numbers as float64; raises `BadInput` where something is none."""
     array: AnyArray = np.asarray(numbers)
     try:
-        return array.astype(np.float64).ravel()
+        return array.astype(np.float64)
     except (TypeError, ValueError) as error:
         raise BadInput(f"Not every {what} is a number.") from error
 
@@ -96,12 +108,17 @@ def condense(pairs: Pairs, bins: int) -> Pairs:
     """
     if len(pairs) <= bins:
         return pairs
-    low, high = pairs.angle.min(), pairs.angle.max()
-    place = np.sqrt((pairs.angle - low) / (high - low)) * bins
-    place = np.minimum(place.astype(np.int64), bins - 1)
+    place = place_in_bins(pairs.angle, bins)
     total = np.bincount(place, pairs.weight, bins).astype(np.float64)
     used = total > 0
     weight = total[used]
     angle = np.bincount(place, pairs.weight * pairs.angle, bins)[used] / weight
     value = np.bincount(place, pairs.weight * pairs.value, bins)[used] / weight
     return Pairs(angle, value, weight, pairs.scale, pairs.weight_scale)
+
+
+def place_in_bins(angle: Floats, bins: int) -> Ints:
+    """Number of the bin of each angle, 0 to `bins` − 1; narrow bins at small angles."""
+    low, high = angle.min(), angle.max()
+    place = np.sqrt((angle - low) / (high - low)) * bins
+    return np.asarray(np.minimum(place.astype(np.int64), bins - 1))

@@ -2,41 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.fitting.deviations import compute_deviations
+from app.core.fitting.covariance import compute_covariance
 from app.core.fitting.pairs import Pairs
 from app.core.fitting.result import Estimate, FitResult
-from app.core.phase import Parameter, PhaseModel
+from app.core.phase import Parameter
+from app.core.phase.angular import AngularModel
 
+Covary = Callable[[Floats], Floats]
 # Values that differ by less than this share of their size are equal.
 EQUAL = 1e-14
 
 
 def report_fit(
-    model: PhaseModel, pairs: Pairs, values: dict[str, float], fixed: Mapping[str, float]
+    model: AngularModel,
+    pairs: Pairs,
+    values: dict[str, float],
+    fixed: Mapping[str, float],
+    covary: Covary | None = None,
+    **more: Any,
 ) -> FitResult:
     """Describe the curve with these parameters beside the pairs that it was fitted to.
 
     Parameters
     ----------
-    model : PhaseModel
+    model : AngularModel
     pairs : Pairs
     values : dict of str to float
         Parameters for the normalised values; NaN for an undetermined one.
     fixed : mapping of str to float
         Those that were not fitted.
+    covary : callable, optional
+        Covariance, (p, p), from the weighted Jacobian, (n, p); by default that of least squares.
+    **more
+        Other attributes of the result; `warnings` are put before the model's own.
     """
     free = [p for p in model.parameters if p.name not in fixed]
     misses = pairs.value - model.evaluate(pairs.angle, values)
     rss = float((pairs.weight * misses**2).sum())
     spare = len(pairs) - len(free)
-    deviations = _deviate(model, pairs, values, free, float(np.sqrt(rss / spare)))
+    covary = covary or partial(compute_covariance, noise=float(np.sqrt(rss / spare)))
+    covariance = _covary(model, pairs, values, free, covary)
     in_units = {p.name: values[p.name] * _size(p, pairs) for p in model.parameters}
     scatter = float(np.sqrt((misses**2).sum() / spare)) * pairs.scale
+    deviations = {name: row[name] ** 0.5 for name, row in covariance.items()}
     return FitResult(
         model=model.name,
         n=len(pairs),
@@ -50,9 +65,12 @@ def report_fit(
         angle_range=(float(pairs.angle.min()), float(pairs.angle.max())),
         warnings=(
             *pairs.warnings,
+            *more.pop("warnings", ()),
             *_explain_missing(model, values, free, deviations),
             *model.remark(in_units, pairs.angle, scatter, fixed),
         ),
+        covariance=_scale_covariance(model, pairs, covariance),
+        **more,
     )
 
 
@@ -66,14 +84,17 @@ def _explain(pairs: Pairs, rss: float) -> float | None:
     return 1.0 - rss / total if total > EQUAL**2 * pairs.weight.sum() else None
 
 
-def _deviate(
-    model: PhaseModel,
+def _covary(
+    model: AngularModel,
     pairs: Pairs,
     values: dict[str, float],
     free: Sequence[Parameter],
-    noise: float,
-) -> dict[str, float]:
-    """Standard deviations of the parameters that lie inside their bounds, the others held."""
+    covary: Covary,
+) -> dict[str, dict[str, float]]:
+    """Covariance of the parameters that lie inside their bounds, the others held.
+
+    Those that the data do not determine are left out.
+    """
     names = [
         p.name for p in free if np.isfinite(values[p.name]) and not p.touches_bound(values[p.name])
     ]
@@ -81,7 +102,19 @@ def _deviate(
         return {}
     root: Floats = np.sqrt(pairs.weight)[:, None]
     jacobian = model.jacobian(pairs.angle, values, names) * root
-    return dict(zip(names, map(float, compute_deviations(jacobian, noise)), strict=True))
+    matrix = covary(jacobian)
+    known = np.flatnonzero(np.isfinite(np.diagonal(matrix)))
+    return {names[i]: {names[j]: float(matrix[i, j]) for j in known} for i in known}
+
+
+def _scale_covariance(
+    model: AngularModel, pairs: Pairs, covariance: dict[str, dict[str, float]]
+) -> dict[str, dict[str, float]]:
+    sizes = {p.name: _size(p, pairs) for p in model.parameters}
+    return {
+        a: {b: value * sizes[a] * sizes[b] for b, value in row.items()}
+        for a, row in covariance.items()
+    }
 
 
 def _estimate(p: Parameter, pairs: Pairs, value: float, sd: float, free: bool) -> Estimate:
@@ -91,12 +124,13 @@ def _estimate(p: Parameter, pairs: Pairs, value: float, sd: float, free: bool) -
         value * size if known else None,
         sd * size if np.isfinite(sd) else None,
         p.unit,
-        free and known and p.touches_bound(value),
+        bool(free and known and p.touches_bound(value)),
+        not free,
     )
 
 
 def _explain_missing(
-    model: PhaseModel,
+    model: AngularModel,
     values: dict[str, float],
     free: Sequence[Parameter],
     deviations: dict[str, float],
@@ -110,6 +144,6 @@ def _explain_missing(
             sentences.append(f"{p.name} is undetermined: {model.unknown_when[p.name]}.")
         elif p.touches_bound(values[p.name]):
             sentences.append(f"{p.name} is at its bound and has no standard deviation.")
-        elif not np.isfinite(deviations[p.name]):
+        elif p.name not in deviations:
             sentences.append(f"{p.name} has no standard deviation: the data do not determine it.")
     return sentences

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.errors import BadInput, WrongUse
-from app.core.phase import PhaseModel, get_model
-from app.core.phase.model import RIGHT_ANGLE
+from app.core.errors import BadInput, MissingChannel, WrongUse
+from app.core.fitting.intervals import LEVEL, SHOWN, Kind, find_quantile, span
+from app.core.phase import get_model
+from app.core.phase.angular import RIGHT_ANGLE, AngularModel
+from app.core.phase.formula_model import FormulaDefinition, make_formula_model
+
+FitKind = Literal["points", "bins", "edge", "huber", "tukey", "trust region"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +31,15 @@ class Estimate:
     unit : str
         ``1`` for a pure number, ``value`` for the unit of the data, ``deg`` for angles.
     at_bound : bool
+    fixed : bool
+        It was not fitted.
     """
 
     value: float | None
     sd: float | None
     unit: str
     at_bound: bool = False
+    fixed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +62,16 @@ class FitResult:
     angle_range : (float, float)
         Smallest and largest angle used, radians.
     warnings : tuple of str
+    covariance : dict of str to dict of str to float
+        Of the parameters that have a standard deviation; empty in results of old sessions.
+    kind : str
+        What was fitted to what: see `FitKind`.
+    tau : float or None
+        Quantile of an edge: the share of pairs below the curve.
+    scale : float or None
+        Standard deviation that a robust fit took a pair's to be, from the median of residuals.
+    formula : FormulaDefinition or None
+        Of a model that is not in the registry.
     """
 
     model: str
@@ -65,6 +82,11 @@ class FitResult:
     r2: float | None
     angle_range: tuple[float, float]
     warnings: tuple[str, ...] = ()
+    covariance: dict[str, dict[str, float]] = field(default_factory=dict)
+    kind: FitKind = "points"
+    tau: float | None = None
+    scale: float | None = None
+    formula: FormulaDefinition | None = None
 
     @property
     def values(self) -> dict[str, float]:
@@ -73,6 +95,49 @@ class FitResult:
             name: np.nan if estimate.value is None else estimate.value
             for name, estimate in self.parameters.items()
         }
+
+    @property
+    def spare(self) -> int:
+        """Degrees of freedom: pairs less fitted parameters."""
+        return self.n - sum(not estimate.fixed for estimate in self.parameters.values())
+
+    def interval(
+        self, name: str, level: float = LEVEL, kind: Kind = SHOWN
+    ) -> tuple[float, float] | None:
+        """Interval of a parameter from its standard deviation and Student's t; None without one.
+
+        Parameters
+        ----------
+        name : str
+        level : float
+        kind : str
+            See `app.core.fitting.intervals.span`.
+        """
+        estimate = self.parameters[name]
+        if estimate.value is None or estimate.sd is None:
+            return None
+        p = next(p for p in self._model.parameters if p.name == name)
+        low, high = span(p, estimate.value, estimate.sd, find_quantile(level, self.spare), kind)
+        return float(low), float(high)
+
+    @property
+    def aic(self) -> float | None:
+        """Akaike's criterion, n·ln(rss/n) + 2k with k counting σ; None for a perfect fit."""
+        k = self.n - self.spare + 1
+        return self.n * float(np.log(self.rss / self.n)) + 2 * k if self.rss > 0 else None
+
+    @property
+    def aicc(self) -> float | None:
+        """AIC for few pairs; None where there are too few even for it."""
+        k = self.n - self.spare + 1
+        room = self.n - k - 1
+        return self.aic + 2 * k * (k + 1) / room if self.aic is not None and room > 0 else None
+
+    @property
+    def bic(self) -> float | None:
+        """The Bayesian criterion of Schwarz."""
+        k = self.n - self.spare + 1
+        return None if self.aic is None else self.aic + k * (float(np.log(self.n)) - 2)
 
     @property
     def valid_range(self) -> tuple[float, float]:
@@ -118,13 +183,13 @@ class FitResult:
 
         try:
             result = msgspec.convert(dict(plain), cls, strict=True)
-            wanted = {p.name for p in get_model(result.model).parameters}
-        except (msgspec.ValidationError, WrongUse) as error:
+            wanted = {p.name for p in result._model.parameters}
+        except (msgspec.ValidationError, WrongUse, MissingChannel) as error:
             raise BadInput(f"A stored fit cannot be read: {error}") from error
         if set(result.parameters) != wanted:
             raise BadInput(f"A stored fit of {result.model} has other parameters than the model.")
         return result
 
     @property
-    def _model(self) -> PhaseModel:
-        return get_model(self.model)
+    def _model(self) -> AngularModel:
+        return get_model(self.model) if self.formula is None else make_formula_model(self.formula)

@@ -33,6 +33,24 @@ MODELS: Mapping[str, PhaseModel] = MappingProxyType(
 )
 
 
+def choose_model(model: PhaseModel | str) -> PhaseModel:
+    """The model itself, or the one of that name.
+
+    Raises
+    ------
+    WrongUse
+        There is none of that name, or it is a formula, which has no columns to solve for.
+    """
+    if isinstance(model, str):
+        return get_model(model)
+    if not isinstance(model, PhaseModel):
+        raise WrongUse(
+            "A formula model can be fitted to points or to bins, by least squares only.",
+            "Choose a model of the list for anything else.",
+        )
+    return model
+
+
 def get_model(name: str) -> PhaseModel:
     """The model of that name; raises `WrongUse` with the names there are."""
     try:

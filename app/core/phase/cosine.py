@@ -9,7 +9,15 @@ import numpy as np
 
 from app.core.arrays import Bools, Floats
 from app.core.errors import WrongUse
-from app.core.phase.model import RIGHT_ANGLE, Columns, Freedom, Parameter, PhaseModel, Reference
+from app.core.phase.model import (
+    RIGHT_ANGLE,
+    Columns,
+    Freedom,
+    Parameter,
+    PhaseModel,
+    Reference,
+    pile,
+)
 from app.core.units import to_degrees, to_radians
 
 # Of the largest value: a swing of this size is rounding and has no direction.
@@ -31,29 +39,28 @@ class Cosine(PhaseModel):
         """Columns −2·sin 2θ, 2·cos 2θ, 0."""
         return -2 * np.sin(2 * angle), 2 * np.cos(2 * angle), np.zeros(np.shape(angle))
 
-    def coefficients(self, values: Mapping[str, float]) -> Floats:
+    def coefficients(self, values: Mapping[str, Any]) -> Floats:
         """p, q and ν."""
-        A, nu = values["A"], values["nu"]
-        if A == 0.0:
-            return np.array([0.0, 0.0, nu])
-        twice = 2 * to_radians(values["mu"])
-        return np.array([A * np.cos(twice), A * np.sin(twice), nu])
+        A = np.asarray(values["A"])
+        twice = 2 * to_radians(np.where(A == 0.0, 0.0, values.get("mu", np.nan)))
+        return pile([A * np.cos(twice), A * np.sin(twice), values["nu"]])
 
-    def coefficient_slopes(self, values: Mapping[str, float]) -> Floats:
+    def coefficient_slopes(self, values: Mapping[str, Any]) -> Floats:
         """d(p, q, ν) / d(A, μ in degrees, ν)."""
         A, twice = values["A"], 2 * to_radians(values["mu"])
         c, s, turn = np.cos(twice), np.sin(twice), to_radians(2.0)
-        return np.array([[c, -A * s * turn, 0.0], [s, A * c * turn, 0.0], [0.0, 0.0, 1.0]])
+        rows = ((c, -A * s * turn, 0 * c), (s, A * c * turn, 0 * c), (0 * c, 0 * c, 0 * c + 1))
+        return np.stack([pile(row) for row in rows], axis=-2)
 
     def name_values(
-        self, coefficients: Floats, shape: float, fixed: Mapping[str, float]
-    ) -> dict[str, float]:
+        self, coefficients: Floats, shape: Any, fixed: Mapping[str, Any]
+    ) -> dict[str, Any]:
         """A, μ and ν; μ is undetermined without any swing."""
         del shape
-        p, q, nu = map(float, coefficients)
+        p, q, nu = np.moveaxis(coefficients, -1, 0)
         if "mu" in fixed:
             twice = 2 * to_radians(fixed["mu"])
-            swing = {"A": p * float(np.cos(twice)) + q * float(np.sin(twice)), "mu": fixed["mu"]}
+            swing = {"A": p * np.cos(twice) + q * np.sin(twice), "mu": fixed["mu"]}
         else:
             swing = _fold(p, q)
         return swing | {"nu": nu} | dict(fixed)
@@ -95,16 +102,13 @@ class Cosine(PhaseModel):
         )
 
 
-def _fold(p: float, q: float) -> dict[str, float]:
-    amplitude = float(np.hypot(p, q))
-    if amplitude <= NEGLIGIBLE:
-        return {"A": 0.0, "mu": np.nan}
-    mu = float(to_degrees(np.arctan2(q, p))) / 2
-    if mu > 45.0:
-        return {"A": -amplitude, "mu": mu - 90.0}
-    if mu <= -45.0:
-        return {"A": -amplitude, "mu": mu + 90.0}
-    return {"A": amplitude, "mu": mu}
+def _fold(p: Floats, q: Floats) -> dict[str, Floats]:
+    amplitude = np.hypot(p, q)
+    mu = to_degrees(np.arctan2(q, p)) / 2
+    turned = np.where(mu > 45.0, -90.0, np.where(mu <= -45.0, 90.0, 0.0))
+    still = amplitude <= NEGLIGIBLE
+    signed = np.where(turned == 0.0, amplitude, -amplitude)
+    return {"A": np.where(still, 0.0, signed), "mu": np.where(still, np.nan, mu + turned)}
 
 
 def expect_amplitude(angle: Floats, noise: float) -> float:
@@ -159,6 +163,7 @@ MODEL = Cosine(
         Parameter("nu", "value", "value at 45° from the peak", (0.1, 1.0), scales=True),
     ),
     unknown_when={"mu": "A is 0"},
+    fixed_with={"A": "mu"},
     references=tuple(
         Reference(f"{leaf}, {y}", {"A": A}, "Hancock 2017, table I")
         for leaf, row in _HANCOCK.items()

@@ -10,6 +10,7 @@ from app.core.arrays import Floats
 from app.core.phase.model import Columns, Parameter, PhaseModel
 
 SLOWEST, FASTEST = 1.1, 4.5
+TRIALS = 171
 
 
 class Fourier2(PhaseModel):
@@ -31,7 +32,7 @@ class Fourier2(PhaseModel):
 
     def search(self, angle: Floats) -> Floats:
         """Even steps of w."""
-        return np.linspace(SLOWEST, FASTEST, 171)
+        return np.broadcast_to(np.linspace(SLOWEST, FASTEST, TRIALS), (*angle.shape[:-1], TRIALS))
 
 
 def _turn(turn: Any, speed: Any) -> Columns:

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.phase.model import RIGHT_ANGLE, Columns, Freedom, Parameter, PhaseModel, Reference
+from app.core.phase.model import (
+    RIGHT_ANGLE,
+    Columns,
+    Freedom,
+    Parameter,
+    PhaseModel,
+    Reference,
+    pile,
+)
 from app.core.units import to_degrees
 
 LEAST_BRACKET = 0.25
@@ -26,22 +34,24 @@ class IncidenceB(PhaseModel):
         """Columns 0, −sin ω."""
         return np.zeros(np.shape(angle)), -np.sin(angle)
 
-    def coefficients(self, values: Mapping[str, float]) -> Floats:
+    def coefficients(self, values: Mapping[str, Any]) -> Floats:
         """A and a·b."""
-        return np.array([values["a"], values["a"] * values["b"]])
+        return pile([values["a"], values["a"] * values["b"]])
 
-    def coefficient_slopes(self, values: Mapping[str, float]) -> Floats:
+    def coefficient_slopes(self, values: Mapping[str, Any]) -> Floats:
         """d(a, a·b) / d(a, b)."""
-        return np.array([[1.0, 0.0], [values["b"], values["a"]]])
+        a, b = np.asarray(values["a"]), np.asarray(values["b"])
+        return np.stack([pile([0 * a + 1, 0 * a]), pile([b, a])], axis=-2)
 
     def name_values(
-        self, coefficients: Floats, shape: float, fixed: Mapping[str, float]
-    ) -> dict[str, float]:
+        self, coefficients: Floats, shape: Any, fixed: Mapping[str, Any]
+    ) -> dict[str, Any]:
         """A and b; without any a there is no b."""
         del shape
-        a, product = map(float, coefficients)
-        known = a != 0.0 and np.isfinite(product / a)
-        return {"a": a, "b": product / a if known else np.nan} | dict(fixed)
+        a, product = np.moveaxis(coefficients, -1, 0)
+        with np.errstate(all="ignore"):
+            b = product / a
+        return {"a": a, "b": np.where(np.isfinite(b), b, np.nan)} | dict(fixed)
 
     def free(self, fixed: Mapping[str, float]) -> Freedom:
         """Either parameter can be fixed, or both."""

@@ -1,4 +1,4 @@
-"""What an angular model is: a sum of columns, most of its parameters linear.
+"""What a model of the registry is: a sum of columns, most of its parameters linear.
 
 I(ω) = Σ cᵢ · Bᵢ(ω; shape), where at most one parameter, the shape, is not linear. That is
 all the fit needs to find the best curve without start values (variable projection).
@@ -6,51 +6,29 @@ all the fit needs to find the best curve without start values (variable projecti
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from app.core.arrays import Bools, Floats
-from app.core.phase.inversion import find_monotone_interval, invert_monotone
+from app.core.arrays import Floats
+from app.core.phase.angular import RIGHT_ANGLE, AngularModel
+from app.core.phase.parameter import Parameter
+
+__all__ = [
+    "RIGHT_ANGLE",
+    "Columns",
+    "Freedom",
+    "Parameter",
+    "PhaseModel",
+    "Reference",
+    "combine",
+    "pile",
+]
 
 Columns = tuple[Any, ...]
-RIGHT_ANGLE = np.pi / 2
-AT_BOUND = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """One parameter of a model, as results and sliders show it.
-
-    Attributes
-    ----------
-    name, unit, meaning : str
-        `unit` is ``1`` for a pure number and ``value`` for the unit of the data.
-    typical : (float, float)
-        Usual range, for sliders and tests; in units of the largest value if `scales`.
-    lower, upper : float
-        Bounds of a fit.
-    scales : bool
-        Proportional to the data: I → c·I makes it c times as large.
-    wraps : bool
-        One bound continues at the other: to lie on it means nothing.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    typical: tuple[float, float]
-    lower: float = -np.inf
-    upper: float = np.inf
-    scales: bool = False
-    wraps: bool = False
-
-    def touches_bound(self, value: float) -> bool:
-        """Whether `value` lies on a bound; for one that scales, in units of the data's size."""
-        return not self.wraps and min(abs(value - self.lower), abs(value - self.upper)) <= AT_BOUND
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +44,13 @@ class Reference:
 class Freedom:
     """What fixed parameters leave free: c = offset + directions @ free, within bounds.
 
+    All arrays may have a leading axis over groups.
+
     Attributes
     ----------
-    offset : (k,) array
-    directions : (k, j) array
-    lower, upper : (j,) arrays
+    offset : (..., k) array
+    directions : (..., k, j) array
+    lower, upper : (..., j) arrays
     """
 
     offset: Floats
@@ -80,38 +60,28 @@ class Freedom:
 
 
 @dataclass(frozen=True)
-class PhaseModel(ABC):
+class PhaseModel(AngularModel):
     """An angular model of the return ("phase function").
 
     The methods here suit a model whose linear parameters are its coefficients, in the same
     order; a model that mixes them overrides `coefficients`, `coefficient_slopes`, `name_values`
     and `free`. Angles are radians; parameters are in the units that `parameters` names.
+    Parameters and shapes may be arrays, (g,), one for each of g groups.
 
     Attributes
     ----------
-    name : str
-        Key in the registry, on the command line and in files.
-    title, formula, source : str
     parameters : tuple of Parameter
         The shape, where there is one, comes last.
     shape : str
         Name of the parameter that is not linear; empty when all are.
-    extrapolates : bool
-        The curve means something beyond the angles that it was fitted to.
-    unknown_when : mapping of str to str
-        Why a parameter can be undetermined.
     references : tuple of Reference
+    fixed_with : mapping of str to str
+        Parameters that can be fixed only together with another.
     """
 
-    name: str
-    title: str
-    formula: str
-    source: str
-    parameters: tuple[Parameter, ...]
     shape: str = ""
-    extrapolates: bool = False
-    unknown_when: Mapping[str, str] = field(default_factory=dict)
     references: tuple[Reference, ...] = field(default=(), repr=False)
+    fixed_with: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     # The science, model by model.
 
@@ -128,26 +98,29 @@ class PhaseModel(ABC):
         raise NotImplementedError(f"{self.name} has no shape to vary ({shape}).")
 
     def search(self, angle: Floats) -> Floats:
-        """Values of the shape that bracket every minimum, (s,), for fits to `angle`."""
+        """Values of the shape that bracket every minimum, (..., s); `angle` is (..., n)."""
         raise NotImplementedError(f"{self.name} has no shape to search ({len(angle)} angles).")
 
-    def coefficients(self, values: Mapping[str, float]) -> Floats:
-        """Coefficients cᵢ of the columns, (k,), from named parameters."""
-        return np.array([values[p.name] for p in self.linear_parameters])
+    def coefficients(self, values: Mapping[str, Any]) -> Floats:
+        """Coefficients cᵢ of the columns, (..., k), from named parameters."""
+        return pile([values[p.name] for p in self.linear_parameters])
 
-    def coefficient_slopes(self, values: Mapping[str, float]) -> Floats:
-        """dcᵢ/dparameter, (k, linear parameters)."""
+    def coefficient_slopes(self, values: Mapping[str, Any]) -> Floats:
+        """dcᵢ/dparameter, (..., k, linear parameters)."""
         return np.eye(len(self.linear_parameters))
 
     def name_values(
         self,
         coefficients: Floats,
-        shape: float,
-        fixed: Mapping[str, float],
-    ) -> dict[str, float]:
-        """Named parameters from coefficients; NaN marks one that they leave undetermined."""
+        shape: Any,
+        fixed: Mapping[str, Any],
+    ) -> dict[str, Any]:
+        """Named parameters, (...), from coefficients, (..., k), and shapes, (...).
+
+        NaN marks one that they leave undetermined.
+        """
         names = [p.name for p in self.linear_parameters]
-        values = dict(zip(names, map(float, coefficients), strict=True))
+        values = dict(zip(names, np.moveaxis(coefficients, -1, 0), strict=True))
         return values | {self.shape: shape} if self.shape else values
 
     def free(self, fixed: Mapping[str, float]) -> Freedom:
@@ -161,35 +134,6 @@ class PhaseModel(ABC):
             np.array([linear[i].lower for i in moving]),
             np.array([linear[i].upper for i in moving]),
         )
-
-    def accepts(self, angle: Floats) -> Bools:
-        """Angles that the model is defined for: 0 ≤ ω < 90°."""
-        return (angle >= 0.0) & (angle < RIGHT_ANGLE)
-
-    def reach(self, values: Mapping[str, float]) -> float:
-        """Angle beyond which the curve must not be inverted."""
-        return RIGHT_ANGLE
-
-    def remark(
-        self,
-        values: Mapping[str, float],
-        angle: Floats,
-        noise: float,
-        fixed: Mapping[str, float],
-    ) -> tuple[str, ...]:
-        """Sentences that a user should read beside a fit.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-        angle : (n,) array
-            The angles fitted.
-        noise : float
-            Standard deviation of the residuals.
-        fixed : mapping of str to float
-            Parameters that were not fitted.
-        """
-        return ()
 
     # What every model can do.
 
@@ -224,31 +168,6 @@ class PhaseModel(ABC):
             axis=-1,
         )
 
-    def monotone_interval(
-        self, values: Mapping[str, float], within: tuple[float, float] = (0.0, RIGHT_ANGLE)
-    ) -> tuple[float, float] | None:
-        """Widest interval of angle on which I(ω) only falls or only rises; None if flat."""
-        start, stop = within[0], min(within[1], self.reach(values))
-        return find_monotone_interval(lambda angle: self.slope(angle, values), start, stop)
-
-    def inverse(
-        self,
-        value: Floats,
-        values: Mapping[str, float],
-        within: tuple[float, float] = (0.0, RIGHT_ANGLE),
-    ) -> Floats:
-        """ω from I on `monotone_interval`; NaN where I is not reached there."""
-        value = np.asarray(value, dtype=np.float64)
-        interval = self.monotone_interval(values, within)
-        if interval is None:
-            return np.full(value.shape, np.nan)
-        return invert_monotone(
-            lambda angle: self.evaluate(angle, values),
-            lambda angle: self.slope(angle, values),
-            value,
-            interval,
-        )
-
     def _sum(self, basis: Any, angle: Floats, values: Mapping[str, float]) -> Floats:
         angle = np.asarray(angle, dtype=np.float64)
         columns = basis(angle, values.get(self.shape, np.nan))
@@ -263,3 +182,8 @@ def combine(weights: Floats, columns: Columns, angle: Floats) -> Floats:
         if weight != 0.0:
             total = total + weight * column
     return total
+
+
+def pile(parts: Sequence[Any]) -> Floats:
+    """Numbers or arrays of one shape, (...), along a new last axis, (..., k)."""
+    return np.stack(np.broadcast_arrays(*(np.asarray(part, np.float64) for part in parts)), axis=-1)

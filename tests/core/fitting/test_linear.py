@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from app.core.fitting.deviations import compute_deviations
+from app.core.fitting.covariance import compute_covariance, take_deviations
 from app.core.fitting.linear import solve_bounded, solve_free
 
 FREE = np.full(4, np.inf)
@@ -44,7 +44,7 @@ def test_dependent_and_empty_columns_take_no_part() -> None:
 def test_undetermined_directions_have_no_deviation() -> None:
     rng = np.random.default_rng(3)
     a, b = rng.normal(size=(2, 50))
-    sd = compute_deviations(np.column_stack((a, b, b, np.zeros(50))), 0.5)
+    sd = take_deviations(compute_covariance(np.column_stack((a, b, b, np.zeros(50))), 0.5))
     assert np.isnan(sd).tolist() == [False, True, True, True]
     alone = np.column_stack((a, b))
     assert sd[0] == pytest.approx(0.5 * np.sqrt(np.linalg.inv(alone.T @ alone)[0, 0]))

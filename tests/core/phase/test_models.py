@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.core.errors import WrongUse
+from app.core.fitting import fit
 from app.core.phase import MODELS, PhaseModel, get_model
 from app.core.units import to_radians
 
@@ -17,8 +18,7 @@ SEEDS = range(5)
 
 
 def draw(model: PhaseModel, seed: int) -> dict[str, float]:
-    rng = np.random.default_rng(seed)
-    return {p.name: float(rng.uniform(*p.typical)) for p in model.parameters}
+    return model.random(np.random.default_rng(seed))
 
 
 @pytest.fixture(params=MODELS.values(), ids=MODELS.keys())
@@ -49,6 +49,38 @@ def test_every_parameter_is_described(model: PhaseModel) -> None:
     assert model.formula
     assert model.source
     assert not model.shape or model.parameters[-1].name == model.shape
+
+
+def test_random_parameters_are_usual_and_scale(model: PhaseModel) -> None:
+    one, large = draw(model, 1), model.random(np.random.default_rng(1), 1e6)
+    for p in model.parameters:
+        assert p.typical[0] <= one[p.name] <= p.typical[1]
+        assert large[p.name] == pytest.approx(one[p.name] * (1e6 if p.scales else 1.0))
+        assert p.typical[0] < model.start_values()[p.name] < p.typical[1]
+
+
+def test_groups_side_by_side_are_the_same_curves(model: PhaseModel) -> None:
+    """Coefficients, slopes and names of arrays are those of their elements."""
+    rows = [draw(model, seed) for seed in SEEDS]
+    values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    coefficients, slopes = model.coefficients(values), model.coefficient_slopes(values)
+    named = model.name_values(coefficients, values.get(model.shape, np.nan), {})
+    for i, row in enumerate(rows):
+        np.testing.assert_allclose(coefficients[i], model.coefficients(row))
+        expected = np.broadcast_to(slopes, (len(rows), *slopes.shape[-2:]))[i]
+        np.testing.assert_allclose(expected, model.coefficient_slopes(row))
+        assert {name: column[i] for name, column in named.items()} == pytest.approx(row)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_fit_recovers_random_parameters_and_their_scale(model: PhaseModel, seed: int) -> None:
+    angles = ANGLES[:-1:20]
+    values = draw(model, seed)
+    for size in (1.0, 1e-6):
+        found = fit(model, angles, size * model.evaluate(angles, values)).values
+        for p in model.parameters:
+            expected = values[p.name] * (size if p.scales else 1.0)
+            assert found[p.name] == pytest.approx(expected, rel=1e-8)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -1,0 +1,1 @@
+"""Fits of angular models: how fast, how right, and how honest about their doubt."""
