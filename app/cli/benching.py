@@ -155,6 +155,30 @@ def stability(
     finish(bench_stability(quick, watch()), out, json, overwrite)
 
 
+@bench.command
+def fit(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure fits of angular models: time against excess error, and what intervals cover.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    quick
+        Few curves and seeds: some seconds instead of five minutes.
+    """
+    from app.services.bench.fit.run import bench_fit, refuse_bench_fit
+
+    if out is not None:
+        refuse_bench_fit(out, overwrite)
+    finish(bench_fit(quick, watch()), out, json, overwrite)
+
+
 def finish(found: Bench, out: Path | None, as_json: bool, overwrite: bool) -> None:
     """Write what a bench found, if a folder is given, and print it."""
     from app.cli.printing import print_json, say
