@@ -41,7 +41,7 @@ NEAR_FIELD = 1.2
 """Metres below which the made-up instrument loses light."""
 RETURNS = 100
 """Returns from each target at each range."""
-SEEDS, QUICK_SEEDS = 200, 20
+SEEDS = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,12 +181,6 @@ def compare_equations() -> float:
         seventh, sixth = correct(found, expect(rho, away), away, rho)
         worst = max(worst, float(np.abs(seventh - sixth).max()))
     return worst
-
-
-def bench_balduzzi(quick: bool = False, progress: Progress = QUIET) -> tuple[ResultTable, ...]:
-    """All tables; 200 seeds, or 20 with `quick`."""
-    trials = run_trials(QUICK_SEEDS if quick else SEEDS, progress)
-    return tabulate_scatter(trials), tabulate_amplifier(trials)
 
 
 def run_trials(seeds: int, progress: Progress = QUIET) -> list[Trial]:

@@ -44,7 +44,7 @@ TARGETS = (0.08, 0.15, 0.3, 0.5, 0.75)
 TARGET_RANGES = (2.3, 3.0, 5.0, 7.0, 9.0, 14.0, 18.0, 28.0, 37.0, 55.0)
 REFERENCE_SCAN = "scan 6"
 """The movable panel at 8 m; its power is 1."""
-SEEDS, QUICK_SEEDS = 200, 20
+SEEDS = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,17 +235,6 @@ def tabulate_forms(seed: int = 0) -> ResultTable:
         "Both readings of equation A5, fitted to data made with the outer one",
         rows,
         "χ² with the noise of the outer fit.",
-    )
-
-
-def bench_hancock(quick: bool = False, progress: Progress = QUIET) -> tuple[ResultTable, ...]:
-    """All tables; 200 seeds, or 20 with `quick`."""
-    trials = run_trials(QUICK_SEEDS if quick else SEEDS, progress)
-    return (
-        tabulate_coverage(trials),
-        tabulate_reflectance(trials),
-        tabulate_singular(),
-        tabulate_forms(),
     )
 
 

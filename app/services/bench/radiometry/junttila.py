@@ -30,7 +30,7 @@ DRIFT = 0.05
 PANEL_SIGMA = 0.02
 """σ of a panel's reflectance, as a share of it."""
 TARGETS = (0.08, 0.15, 0.3, 0.45, 0.6)
-SEEDS, QUICK_SEEDS = 200, 40
+SEEDS = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,11 +167,6 @@ def tabulate(trials: dict[str, list[Trial]]) -> ResultTable:
         f" power drifts by up to {DRIFT:.0%}. Made-up amplifiers: the paper does not print its"
         " numbers.",
     )
-
-
-def bench_junttila(quick: bool = False, progress: Progress = QUIET) -> tuple[ResultTable, ...]:
-    """The table; 200 seeds, or 40 with `quick`."""
-    return (tabulate(run_trials(QUICK_SEEDS if quick else SEEDS, progress)),)
 
 
 def run_trials(seeds: int, progress: Progress = QUIET) -> dict[str, list[Trial]]:
