@@ -136,12 +136,7 @@ def fingerprint(catalogue: Catalogue, name: str, subject: Subject) -> tuple[Any,
             case "leaves":
                 parts.append(tuple((leaf.key, Same(leaf.members)) for leaf in subject.leaves))
     parts += [fingerprint(catalogue, other, subject) for other in spec.inputs]
-    return _hashable(parts)
-
-
-def _hashable(parts: list[Any]) -> tuple[Any, ...]:
-    # A Curve holds a dict: its text stands for it.
-    return tuple(part if isinstance(part, (tuple, Same)) else repr(part) for part in parts)
+    return tuple(parts)
 
 
 @dataclass(slots=True, eq=False)

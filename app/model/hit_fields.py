@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from app.core.arrays import Ints
 from app.core.errors import BadInput
+from app.core.progress import QUIET, Progress
 from app.core.radiometry.partial_hits import FULL_HIT, hit_fraction
 from app.model.fields import Computed, Evaluation, FieldSpec
 from app.model.footprint_fields import beam_in_use
 from app.model.neighbours import neighbours_of
+from app.model.state import ScanState
 
 
 def compute_hit_fraction(evaluation: Evaluation, points: Ints | None) -> Computed:
@@ -28,6 +30,17 @@ def compute_hit_fraction(evaluation: Evaluation, points: Ints | None) -> Compute
     )  # fmt: skip
     notes = {"neighbours": neighbours.method, "beam": beam.origin, "full_hit_from": FULL_HIT}
     return Computed(values, notes)
+
+
+def find_missing(state: ScanState, progress: Progress = QUIET) -> str:
+    """What a scan lacks for this field, in words; empty when it can be computed."""
+    if state.parameters.beam is None:
+        return "the beam is unknown"
+    if state.scan.pose is None:
+        return "the scanner's position is unknown"
+    if neighbours_of(state.scan, progress).grid is None:
+        return "the scan has no rows and columns"
+    return ""
 
 
 HITS = (

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
+from msgspec.structs import replace as replace_fields
 from psygnal import Signal
 
 from app.core.arrays import Floats, Ints
@@ -14,7 +16,7 @@ from app.model.events import Aspect, Change
 from app.model.field_cache import FieldCache
 from app.model.fields import Catalogue, Evaluation, Same, Subject, Values, fingerprint
 from app.model.history import DEFAULT_CAP, Entry, History
-from app.model.operations import AnyOperation
+from app.model.operations import AnyOperation, SetParameters
 from app.model.scan import Scan
 from app.model.state import State, next_key, put
 
@@ -58,6 +60,11 @@ class Project:
     def do(self, operation: AnyOperation) -> None:
         """Apply an operation; it can be undone."""
         self._replace_state(self.history.do(operation, self.state))
+
+    def set_parameters(self, scan: str, drag: str = "", **values: Any) -> None:
+        """Change some parameters of a scan, as one step; the steps of one drag merge."""
+        old = self.state.scan(scan).parameters
+        self.do(SetParameters(scan, replace_fields(old, **values), drag))
 
     def undo(self) -> None:
         """Take back the last operation."""

@@ -14,7 +14,7 @@ from app.core.radiometry.marks import WORDS, reflect
 from app.core.radiometry.profile import ChannelCalibration, Profile
 from app.model.calibrated import find_source
 from app.model.fields import Computed, Evaluation, FieldSpec
-from app.model.neighbours import neighbours_of
+from app.model.hit_fields import find_missing
 from app.model.parameters import Parameters, ScanPower
 from app.model.scan import Scan
 from app.model.state import ScanState
@@ -160,11 +160,8 @@ def _find_partial(evaluation: Evaluation, points: Ints | None) -> tuple[Bools | 
     state = evaluation.subject.state
     if state.parameters.partial_hits:
         return None, "taken along, as asked"
-    if state.parameters.beam is None:
-        return None, "not looked for: the beam is unknown"
-    if state.scan.pose is None:
-        return None, "not looked for: the scanner's position is unknown"
-    if neighbours_of(state.scan, evaluation.progress).grid is None:
-        return None, "not looked for: the scan has no rows and columns"
+    missing = find_missing(state, evaluation.progress)
+    if missing:
+        return None, f"not looked for: {missing}"
     share = evaluation.read("hit_fraction", points)
     return share < FULL_HIT, f"left out below {FULL_HIT:g} of the beam"

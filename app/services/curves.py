@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import msgspec
 import numpy as np
 
 from app.core.arrays import Floats, Ints
@@ -14,7 +13,7 @@ from app.core.fitting import FitResult, fit
 from app.core.progress import QUIET, Progress
 from app.core.units import to_radians
 from app.model.leaf import FitRecord, join_members
-from app.model.operations import PutFit, SetParameters
+from app.model.operations import PutFit
 from app.model.parameters import Curve
 from app.model.project import Project
 from app.model.state import next_key
@@ -120,8 +119,7 @@ def use_fit(project: Project, record: FitRecord) -> None:
 
 def use_curve(project: Project, scan: str, curve: Curve, drag: str = "") -> None:
     """Put a curve to use; the steps of one slider drag merge into one step."""
-    parameters = msgspec.structs.replace(project.state.scan(scan).parameters, curve=curve)
-    project.do(SetParameters(scan, parameters, drag))
+    project.set_parameters(scan, drag, curve=curve)
 
 
 def plain(result: FitResult) -> dict[str, object]:

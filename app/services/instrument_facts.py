@@ -8,7 +8,7 @@ from app.core.errors import WrongUse
 from app.core.radiometry.calibration import Wishes
 from app.services.panel_columns import TableOptions
 from app.services.profiles import name_profiles
-from app.simulate.detector import Ideal
+from app.simulate.detector import scale_of
 from app.simulate.instrument import Instrument, list_instruments
 
 MODELS = {
@@ -102,14 +102,12 @@ def choose_calibration(
 
 
 def _tell(tool: Instrument) -> InstrumentFacts:
-    scale = None if isinstance(tool.detector, Ideal) else tool.detector.scale
     return InstrumentFacts(
         tool.name,
         tool.title,
         tool.wavelengths_nm,
         MODELS[tool.name],
-        None if scale is None else scale.dark,
-        None if scale is None else scale.saturated,
+        *scale_of(tool.detector),
         tuple(key for key, p in name_profiles().items() if p.instrument == tool.name),
         tuple(note for note in tool.notes if note.startswith("Published")),
     )

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from msgspec.structs import replace
 
 from app.core.arrays import Ints
 from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
 from app.core.radiometry.power import measure_power
 from app.core.radiometry.profile import ChannelCalibration
-from app.model.operations import SetParameters
 from app.model.parameters import ScanPower
 from app.model.project import Project
 from app.model.radiometry_fields import find_calibration, has_power, source_of
@@ -136,7 +134,7 @@ def use_powers(project: Project, scan: str, powers: tuple[ScanPower, ...]) -> No
             raise WrongUse(f"The profile in use knows no laser power of {power.channel}.")
         if len(power.pull) not in (0, len(find_calibration(parameters, power.channel).free)):
             raise WrongUse(f"The power of {power.channel} was measured with another profile.")
-    project.do(SetParameters(scan, replace(parameters, powers=powers)))
+    project.set_parameters(scan, powers=powers)
 
 
 def parse_powers(texts: Sequence[str]) -> tuple[ScanPower, ...]:

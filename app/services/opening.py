@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from app.core.errors import WrongUse
@@ -19,7 +18,6 @@ from app.model.operations import (
     AddScan,
     AnyOperation,
     SetChannels,
-    SetParameters,
     SetPose,
     Several,
 )
@@ -145,8 +143,7 @@ def set_parameters(project: Project, scan: str, **values: Any) -> None:
     """Change parameters of a scan, e.g. ``radius=0.006``; those that are None stay."""
     given = {name: value for name, value in values.items() if value is not None}
     if given:
-        old = project.state.scan(scan).parameters
-        project.do(SetParameters(scan, msgspec.structs.replace(old, **given)))
+        project.set_parameters(scan, **given)
 
 
 def name_channels(scan: Scan, texts: Sequence[str]) -> tuple[Channel, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from app.core.arrays import Bools, Floats, Ints
 from app.core.errors import BadInput
 from app.core.progress import QUIET, Progress
+from app.model.hit_fields import find_missing
 from app.model.project import Project
 
 FEWEST = 10
@@ -86,11 +87,6 @@ def _is_full(share: Floats) -> Bools:
 
 
 def _read_share(project: Project, scan: str, points: Ints, progress: Progress) -> Floats | None:
-    from app.model.neighbours import neighbours_of
-
-    state = project.state.scan(scan)
-    if state.parameters.beam is None or state.scan.pose is None:
-        return None
-    if neighbours_of(state.scan, progress).grid is None:
+    if find_missing(project.state.scan(scan), progress):
         return None
     return project.field(scan, "hit_fraction", points, progress)

@@ -10,7 +10,6 @@ from app.core.errors import BadInput, MissingChannel
 from app.core.radiometry.marks import WORDS
 from app.core.radiometry.profile import ChannelCalibration, Profile
 from app.model.calibrated import find_source
-from app.model.operations import SetParameters
 from app.model.project import Project
 from app.model.radiometry_fields import OUTSIDE
 from app.model.scan import Scan
@@ -35,7 +34,7 @@ def apply_profile(project: Project, scan: str, profile: Profile | None) -> None:
     if profile is not None:
         check_profile(state.scan, profile)
         beam = beam or propose_beam(state.scan)
-    _change(project, scan, profile=profile, powers=(), beam=beam)
+    project.set_parameters(scan, profile=profile, powers=(), beam=beam)
 
 
 def join_profiles(old: Profile | None, new: Profile) -> Profile:
@@ -92,7 +91,7 @@ def _same(instrument: str, tool: str) -> bool:
 
 def take_partial_hits(project: Project, scan: str, wanted: bool) -> None:
     """Give a reflectance also to partial hits, or to full hits only; one step to undo."""
-    _change(project, scan, partial_hits=wanted)
+    project.set_parameters(scan, partial_hits=wanted)
 
 
 def tell_calibration(project: Project, scan: str, fields: Sequence[str]) -> list[str]:
@@ -117,8 +116,3 @@ def _tell_marks(name: str, notes: Mapping[str, object]) -> str:
         f"{name} (from {notes['from']}): {', '.join(counts)}; laser power {notes['power']}; "
         f"partial hits {notes['partial hits']}."
     )
-
-
-def _change(project: Project, scan: str, **values: object) -> None:
-    old = project.state.scan(scan).parameters
-    project.do(SetParameters(scan, replace(old, **values)))

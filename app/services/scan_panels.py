@@ -14,10 +14,9 @@ from app.core.arrays import AnyArray, Floats, Ints
 from app.core.errors import BadInput
 from app.core.planes import robust_plane
 from app.core.progress import QUIET, Progress
-from app.core.radiometry import chain as chains
 from app.core.radiometry.calibration import BY_RULE, Wishes
 from app.core.radiometry.models import CalibrationModel
-from app.core.radiometry.noise import estimate_point_noise
+from app.core.radiometry.noise import noise_of_points
 from app.core.radiometry.panels import PanelTable, make_table
 from app.core.radiometry.profile import ChannelCalibration, Noise, Profile
 from app.model.project import Project
@@ -25,7 +24,7 @@ from app.model.scan import Scan
 from app.services.beams import name_instrument
 from app.services.calibrate import UNNAMED, CalibrationReport, Naming, report_channel
 from app.services.panel_readings import PanelReading, measure_panel
-from app.simulate.detector import Ideal
+from app.simulate import detector
 
 MOST_SATURATED = 0.01
 """Share of a panel's points at the end of the scale above which its mean is too low."""
@@ -95,9 +94,7 @@ def guess_reflectance(name: str) -> float | None:
 def scale_of(scan: Scan) -> tuple[float | None, float | None]:
     """Ends of the scale, DN (dark, saturated), of the instrument that the scan names."""
     tool = name_instrument(scan)
-    if tool is None or isinstance(tool.detector, Ideal):
-        return None, None
-    return tool.detector.scale.dark, tool.detector.scale.saturated
+    return (None, None) if tool is None else detector.scale_of(tool.detector)
 
 
 def see_panels(
@@ -187,7 +184,8 @@ def calibrate_panels(
     used = [each for each in seen if each.usable]
     # A noise is named before the fit so that nobody is warned of that of the rows.
     found = report_channel(table, model, wishes, replace(naming, point_noise=UNKNOWN))
-    noise = naming.point_noise or _estimate_noise(found.channel, table, used)
+    scatter = np.array([each.reading.sigma * np.sqrt(each.reading.n) for each in used])
+    noise = naming.point_noise or noise_of_points(found.channel, table, scatter)
     sigma = naming.range_sigma or float(np.sqrt(np.mean([each.roughness**2 for each in used])))
     made = msgspec.structs.replace(found.channel, noise=noise, range_sigma=sigma)
     found = replace(found, channel=made)
@@ -198,20 +196,6 @@ def calibrate_panels(
     title = naming.name or Path(table.scans[0]).stem
     profile = Profile(title, (found.channel,), naming.instrument, "yours", (note,))
     return CalibrationReport(profile, ", ".join(table.scans), (found,), ()), tuple(seen)
-
-
-def _estimate_noise(
-    found: ChannelCalibration, table: PanelTable, used: Sequence[SeenPanel]
-) -> Noise:
-    """Noise of a point, from how the points of panels scatter.
-
-    The powers of the scans do not matter: each number tells its own light.
-    """
-    scatter = np.array([each.reading.sigma * np.sqrt(each.reading.n) for each in used])
-    light = chains.invert(found.steps, table.dn, found.hold(table.distance))
-    echo = light * chains.linearise(found.steps, light, found.hold(table.distance)).slope
-    known = np.isfinite(echo)
-    return estimate_point_noise(scatter[known], table.dn[known], echo[known])
 
 
 def _measure_roughness(xyz: Floats) -> float:

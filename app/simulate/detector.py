@@ -181,6 +181,13 @@ def count_channels(detector: Detector) -> int | None:
     return len(detector.m) if isinstance(detector, Salca) else None
 
 
+def scale_of(detector: Detector) -> tuple[float | None, float | None]:
+    """Lowest and highest DN of a detector; None for one that reports reflectance itself."""
+    if isinstance(detector, Ideal):
+        return None, None
+    return detector.scale.dark, detector.scale.saturated
+
+
 def tabulate_strength(detector: Detector, channels: int, farthest: float) -> Floats:
     """Range effect of a detector on the lattice of `range_effect.sample_strength`.
 

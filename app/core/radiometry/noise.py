@@ -5,12 +5,26 @@ from __future__ import annotations
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.radiometry.profile import Noise
+from app.core.radiometry import chain as chains
+from app.core.radiometry.panels import PanelTable
+from app.core.radiometry.profile import ChannelCalibration, Noise
 
 ROUNDS = 8
 MIXES = np.linspace(-18.0, 18.0, 73)
 """ln of the part in proportion over the constant part, at the largest number."""
 TINY = 1e-300
+
+
+def noise_of_points(found: ChannelCalibration, table: PanelTable, scatter: Floats) -> Noise:
+    """Noise of a point, from how the points of panels scatter (σ of a row's points, DN, (n,)).
+
+    The powers of the scans do not matter: each number tells its own light.
+    """
+    away = found.hold(table.distance)
+    light = chains.invert(found.steps, table.dn, away)
+    echo = light * chains.linearise(found.steps, light, away).slope
+    known = np.isfinite(echo)
+    return estimate_point_noise(scatter[known], table.dn[known], echo[known])
 
 
 def estimate_point_noise(scatter: Floats, number: Floats, echo: Floats) -> Noise:

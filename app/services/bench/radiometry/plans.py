@@ -10,12 +10,11 @@ import msgspec
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.radiometry import chain as chains
 from app.core.radiometry.calibration import Wishes, calibrate, make_channel
 from app.core.radiometry.models import choose_model
-from app.core.radiometry.noise import estimate_point_noise
-from app.core.radiometry.panels import PanelTable, make_table
-from app.core.radiometry.profile import ChannelCalibration, Noise
+from app.core.radiometry.noise import noise_of_points
+from app.core.radiometry.panels import make_table
+from app.core.radiometry.profile import ChannelCalibration
 from app.services.bench.radiometry.sights import Sight, ends_of, see_panels, take_instrument
 from app.simulate.instrument import Instrument
 
@@ -197,16 +196,8 @@ def _calibrate(
     found = make_channel(calibrate(table, choose_model(plan.model), wishes))
     return msgspec.structs.replace(
         found,
-        noise=_estimate_noise(found, table, scatter),
+        noise=noise_of_points(found, table, scatter),
         range_sigma=float(np.mean([each.spread for each in used])),
         nearest=float(table.distance.min()) - MARGIN,
         farthest=float(table.distance.max()) + MARGIN,
     )
-
-
-def _estimate_noise(found: ChannelCalibration, table: PanelTable, scatter: Floats) -> Noise:
-    """Noise of a point; the scans' powers do not matter, for each number tells its own light."""
-    light = chains.invert(found.steps, table.dn, table.distance)
-    echo = light * chains.linearise(found.steps, light, table.distance).slope
-    known = np.isfinite(echo)
-    return estimate_point_noise(scatter[known], table.dn[known], echo[known])

@@ -15,7 +15,7 @@ from app.core.arrays import Bools, Floats, Ints
 from app.model.scan import Scan
 from app.services.bench.simulate.rig import HERE, greys
 from app.simulate.beam import BeamGrid
-from app.simulate.detector import Ideal
+from app.simulate.detector import scale_of
 from app.simulate.instrument import Instrument, get_instrument
 from app.simulate.ranging import Pulsed
 from app.simulate.simulation import scan_scene
@@ -112,6 +112,5 @@ def _read(scan: Scan) -> Sight:
 
 def ends_of(tool: Instrument) -> tuple[float, float]:
     """Lowest and highest number of the scale."""
-    if isinstance(tool.detector, Ideal):
-        return -np.inf, np.inf
-    return tool.detector.scale.dark, tool.detector.scale.saturated
+    dark, saturated = scale_of(tool.detector)
+    return -np.inf if dark is None else dark, np.inf if saturated is None else saturated
