@@ -29,6 +29,8 @@ class Amplitude:
         Standard deviation of a value about the curve.
     from_noise : float
         Mean |A| that this noise alone would give.
+    interval : (float, float)
+        Of A, 95 %, by Student's t; NaN where it is not determined.
     p : float
         Probability of such an amplitude without any swing; exact for normal noise. t test with a
         given μ, F test with a free one.
@@ -40,6 +42,7 @@ class Amplitude:
     mean: float
     noise: float
     from_noise: float
+    interval: tuple[float, float]
     p: float
     n: int
 
@@ -74,13 +77,28 @@ def measure_amplitude(angle: Floats, value: Floats, mu_deg: float | None = None)
     found = result.values
     if mu_deg is None:
         from_noise, p = expect_amplitude(angle, noise), _test_both(value, result.rss)
+        sigma = result.parameters["A"].sd
     else:
         wave = np.cos(2.0 * (angle - np.deg2rad(mu_deg)))
         sigma = noise / float(np.sqrt(((wave - wave.mean()) ** 2).sum()))
         from_noise, p = sigma * float(np.sqrt(2.0 / np.pi)), _test_one(found["A"], sigma, result.n)
     return Amplitude(
-        found["A"], found["mu"], float(value.mean()), noise, from_noise, p, int(result.n)
+        found["A"],
+        found["mu"],
+        float(value.mean()),
+        noise,
+        from_noise,
+        _find_interval(found["A"], sigma, result.n - free),
+        p,
+        int(result.n),
     )
+
+
+def _find_interval(amplitude: float, sigma: float | None, spare: int) -> tuple[float, float]:
+    from scipy.stats import t
+
+    reach = float("nan") if sigma is None else sigma * float(t.isf(LEVEL / 2.0, spare))
+    return amplitude - reach, amplitude + reach
 
 
 def _test_one(amplitude: float, sigma: float, n: int) -> float:

@@ -13,8 +13,8 @@ import numpy as np
 
 from app.core.arrays import Floats, Ints
 from app.core.channel_index import ChannelIndex
+from app.core.errors import BadInput
 from app.core.fitting import FitResult, fit
-from app.core.phase import get_model
 
 STEP = float(np.deg2rad(5.0))
 FINE = float(np.deg2rad(0.5))
@@ -80,14 +80,16 @@ def fit_channel(model: str, angle: Floats, value: Floats) -> FittedChannel:
     Raises
     ------
     BadInput
-        Too few points or angles.
+        Too few points or angles, or none of the parameters is determined.
     """
-    result, curve = fit(model, angle, value), get_model(model)
-    names = tuple(name for name, p in result.parameters.items() if p.sd is not None)
-    used = np.isfinite(angle) & np.isfinite(value) & curve.accepts(angle)
-    jacobian = curve.jacobian(angle[used], result.values, names)
-    spare = max(result.n - len(names), 1)
-    table = np.linalg.pinv(jacobian.T @ jacobian) * result.rss / spare
+    result = fit(model, angle, value)
+    names = tuple(result.covariance)
+    if not names:
+        raise BadInput(
+            f"The angles do not determine a {result.angular_model.title} curve.",
+            "Choose a simpler one.",
+        )
+    table = np.array([[result.covariance[a][b] for b in names] for a in names])
     return FittedChannel(result, names, table)
 
 
@@ -113,7 +115,7 @@ def curve_of_index(
     covariance = np.zeros((len(values), len(values), len(angle)))
     for number, channel in enumerate(index.channels):
         found = fits[channel]
-        model = get_model(found.result.model)
+        model = found.result.angular_model
         jacobian = model.jacobian(angle, found.result.values, found.names)
         covariance[number, number] = np.einsum("ni,ij,nj->n", jacobian, found.covariance, jacobian)
     sigma = index.propagate(values, covariance)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from app.core.channel_index import choose_index
+from app.core.errors import BadInput
 from app.core.index_curves import IndexCurve, bins_of_index, curve_of_index, fit_channel
 from app.core.phase import get_model
 
@@ -78,3 +79,17 @@ def test_a_step_with_one_point_has_no_sigma() -> None:
     assert np.isnan(found.sigma).all()
     empty = IndexCurve(*(np.full(2, np.nan),) * 3, np.zeros(2, np.int64))
     assert np.isnan(empty.extremes).all()
+
+
+@pytest.mark.parametrize("spread", [1e-6, 1e-3])
+def test_a_flat_leaf_that_determines_no_curve_is_refused_in_words(spread: float) -> None:
+    refused = 0
+    for seed in range(4):
+        random = np.random.default_rng(seed)
+        angle = np.deg2rad(30.0) + random.normal(0, spread, 50)
+        value = 0.4 + random.normal(0, 0.01, 50)
+        try:
+            assert fit_channel("fourier-2", angle, value).names
+        except BadInput as error:
+            refused += "do not determine" in str(error)
+    assert refused

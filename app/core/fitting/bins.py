@@ -45,6 +45,11 @@ class BinMeans:
     count: Ints
     warnings: tuple[str, ...]
 
+    @property
+    def weights(self) -> Floats | None:
+        """1/SE² of each mean; None where no scatter tells one, and all weigh alike."""
+        return self.error**-2.0 if np.isfinite(self.error).all() else None
+
 
 def average_bins(
     model: AnyModel | str, angle: Floats, value: Floats, width: float = WIDTH
@@ -117,9 +122,12 @@ def fit_bins(
         As from `fit`, for the bins: a leaf with one bin is refused.
     """
     means = average_bins(model, angle, value, width)
-    known = np.isfinite(means.error).all()
-    weights = means.error**-2.0 if known else None
-    result = fit(model, means.angle, means.value, weights=weights, fixed=fixed)
+    result = fit(model, means.angle, means.value, weights=means.weights, fixed=fixed)
+    return tell_bins(result, means, width)
+
+
+def tell_bins(result: FitResult, means: BinMeans, width: float) -> FitResult:
+    """A fit to these means as `fit_bins` gives it: what it was fitted to, and by which rule."""
     words = f"Fitted to {len(means.count)} means of {to_degrees(width):g}° bins."
-    rule = (RULE,) if known else ()
+    rule = () if means.weights is None else (RULE,)
     return replace(result, kind="bins", warnings=(*means.warnings, words, *rule, *result.warnings))

@@ -10,9 +10,10 @@ import numpy as np
 
 from app.core.arrays import Floats
 from app.core.fitting.covariance import compute_covariance
+from app.core.fitting.open_sides import explain_open_sides
 from app.core.fitting.pairs import Pairs
 from app.core.fitting.result import Estimate, FitResult
-from app.core.phase import Parameter
+from app.core.phase import Parameter, PhaseModel
 from app.core.phase.angular import AngularModel
 
 Covary = Callable[[Floats], Floats]
@@ -44,6 +45,7 @@ def report_fit(
         Other attributes of the result; `warnings` are put before the model's own.
     """
     free = [p for p in model.parameters if p.name not in fixed]
+    squares = covary is None
     misses = pairs.value - model.evaluate(pairs.angle, values)
     rss = float((pairs.weight * misses**2).sum())
     spare = len(pairs) - len(free)
@@ -67,6 +69,7 @@ def report_fit(
             *pairs.warnings,
             *more.pop("warnings", ()),
             *_explain_missing(model, values, free, deviations),
+            *(_explain_open(model, pairs, values, deviations, fixed) if squares else ()),
             *model.remark(in_units, pairs.angle, scatter, fixed),
         ),
         covariance=_scale_covariance(model, pairs, covariance),
@@ -127,6 +130,18 @@ def _estimate(p: Parameter, pairs: Pairs, value: float, sd: float, free: bool) -
         bool(free and known and p.touches_bound(value)),
         not free,
     )
+
+
+def _explain_open(
+    model: AngularModel,
+    pairs: Pairs,
+    values: Mapping[str, float],
+    deviations: Mapping[str, float],
+    fixed: Mapping[str, float],
+) -> list[str]:
+    if not isinstance(model, PhaseModel) or model.shape not in deviations:
+        return []
+    return explain_open_sides(model, pairs, values, deviations[model.shape], fixed)
 
 
 def _explain_missing(

@@ -11,9 +11,9 @@ import numpy as np
 from app.core.arrays import Floats
 from app.core.errors import BadInput, MissingChannel, WrongUse
 from app.core.fitting.intervals import LEVEL, SHOWN, Kind, find_quantile, span
-from app.core.phase import get_model
-from app.core.phase.angular import RIGHT_ANGLE, AngularModel
-from app.core.phase.formula_model import FormulaDefinition, make_formula_model
+from app.core.phase import PhaseModel, get_model
+from app.core.phase.angular import RIGHT_ANGLE
+from app.core.phase.formula_model import FormulaDefinition, FormulaModel, make_formula_model
 
 FitKind = Literal["points", "bins", "edge", "huber", "tukey", "trust region"]
 
@@ -116,7 +116,7 @@ class FitResult:
         estimate = self.parameters[name]
         if estimate.value is None or estimate.sd is None:
             return None
-        p = next(p for p in self._model.parameters if p.name == name)
+        p = next(p for p in self.angular_model.parameters if p.name == name)
         low, high = span(p, estimate.value, estimate.sd, find_quantile(level, self.spare), kind)
         return float(low), float(high)
 
@@ -142,15 +142,15 @@ class FitResult:
     @property
     def valid_range(self) -> tuple[float, float]:
         """Angles, radians, on which the curve may be inverted if it is monotone there."""
-        return (0.0, RIGHT_ANGLE) if self._model.extrapolates else self.angle_range
+        return (0.0, RIGHT_ANGLE) if self.angular_model.extrapolates else self.angle_range
 
     def evaluate(self, angle: Floats) -> Floats:
         """The fitted curve at `angle`, radians; array of the same shape."""
-        return self._model.evaluate(angle, self.values)
+        return self.angular_model.evaluate(angle, self.values)
 
     def slope(self, angle: Floats) -> Floats:
         """Its derivative per radian: σ_ω = σ_I / |slope|."""
-        return self._model.slope(angle, self.values)
+        return self.angular_model.slope(angle, self.values)
 
     def inverse(self, value: Floats) -> Floats:
         """Angle, radians, at which the curve has `value`; array of the same shape.
@@ -158,7 +158,7 @@ class FitResult:
         NaN where the curve does not reach the value on its monotone interval within
         `valid_range`: the fitted angles only, for models that are mere interpolants.
         """
-        return self._model.inverse(value, self.values, self.valid_range)
+        return self.angular_model.inverse(value, self.values, self.valid_range)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, texts, lists and dictionaries, as JSON has them."""
@@ -183,7 +183,7 @@ class FitResult:
 
         try:
             result = msgspec.convert(dict(plain), cls, strict=True)
-            wanted = {p.name for p in result._model.parameters}
+            wanted = {p.name for p in result.angular_model.parameters}
         except (msgspec.ValidationError, WrongUse, MissingChannel) as error:
             raise BadInput(f"A stored fit cannot be read: {error}") from error
         if set(result.parameters) != wanted:
@@ -191,5 +191,6 @@ class FitResult:
         return result
 
     @property
-    def _model(self) -> AngularModel:
+    def angular_model(self) -> PhaseModel | FormulaModel:
+        """The model of the curve: one of the registry, or the user's formula."""
         return get_model(self.model) if self.formula is None else make_formula_model(self.formula)

@@ -12,6 +12,7 @@ from app.core.errors import BadInput
 from app.core.fitting.result import FitResult
 from app.core.fitting.single import AnyModel, fit
 from app.core.phase import get_model
+from app.core.progress import QUIET, Progress
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,7 @@ def compare_models(
     value: Floats,
     *,
     weights: Floats | None = None,
+    progress: Progress = QUIET,
 ) -> tuple[Comparison, ...]:
     """Fit several models to the same pairs: those that every one of them accepts.
 
@@ -53,6 +55,7 @@ def compare_models(
     models : sequence of PhaseModel, FormulaModel or str
     angle, value, weights
         See `fit`.
+    progress : Progress
 
     Notes
     -----
@@ -65,7 +68,8 @@ def compare_models(
     common: Bools = np.logical_and.reduce([model.accepts(angle) for model in known])
     weights = None if weights is None else np.asarray(weights, np.float64).ravel()[common]
     found: list[FitResult | str] = []
-    for model in known:
+    for number, model in enumerate(known):
+        progress.report(number / len(known), f"Fitting {model.title}")
         try:
             found.append(fit(model, angle[common], value[common], weights=weights))
         except BadInput as error:

@@ -98,7 +98,9 @@ class FormulaModel(AngularModel):
         self, angle: Floats, values: Mapping[str, float], by: tuple[str, ...]
     ) -> tuple[Floats, dict[str, Floats]]:
         angle = np.asarray(angle, np.float64)
-        known: dict[str, Any] = {p.name: np.float64(values[p.name]) for p in self.parameters}
+        known: dict[str, Any] = {
+            p.name: np.float64(values.get(p.name, np.nan)) for p in self.parameters
+        }
         with np.errstate(all="ignore"):
             found = walk(self.tree, known | {OMEGA: angle}, frozenset(by))
         return _finite(found.value, angle), {

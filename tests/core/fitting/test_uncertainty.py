@@ -211,3 +211,24 @@ def test_models_side_by_side() -> None:
     few = {c.model: c for c in compare_models(list(MODELS), STEPS[:4], value[:4])}
     assert few["fourier-2"].result is None
     assert "more pairs" in few["fourier-2"].words[0]
+
+
+@pytest.mark.parametrize("m", [1e-3, 1e-2, 0.3])
+def test_a_peak_that_may_be_as_sharp_as_one_likes_is_said_to_be(m: float) -> None:
+    value = BECKMANN.evaluate(STEPS, {"f": 1.0, "k_d": 0.4, "m": m})
+    result = fit(BECKMANN, STEPS, value + 1e-3 * np.random.default_rng(2).standard_normal(17))
+    said = any(sentence.startswith("m is not limited from below") for sentence in result.warnings)
+    assert said == (m < 0.02)
+    interval = profile_intervals(BECKMANN, STEPS, value)["m"] if m == 0.3 else None
+    assert interval is None or not interval.low_open
+
+
+def test_a_rough_leaf_may_be_rougher_than_the_model_goes() -> None:
+    value = BECKMANN.evaluate(STEPS, {"f": 1.0, "k_d": 0.9, "m": 0.9})
+    words = [
+        fit(
+            BECKMANN, STEPS, value + 0.02 * np.random.default_rng(seed).standard_normal(17)
+        ).warnings
+        for seed in range(20)
+    ]
+    assert any("m is not limited from above" in " ".join(sentences) for sentences in words)
