@@ -213,40 +213,6 @@ def compute(
 
 
 @leafscope.command
-def fit(
-    table: Path,
-    /,
-    *,
-    x: str,
-    y: str,
-    model: str,
-    group: tuple[str, ...] = (),
-    json: Json = False,
-) -> None:
-    """Fit an angular model to a table of angles (degrees) and values.
-
-    Parameters
-    ----------
-    table
-        CSV file.
-    x
-        Column with the angle of incidence, degrees.
-    y
-        Column with the value.
-    model
-        lambert, lambert-beckmann, lommel-seeliger, incidence-b, cosine, fourier-2 or
-        polynomial-4.
-    group
-        Column to fit apart by (may be repeated).
-    """
-    from app.cli.printing import print_fits
-    from app.services.fit import fit_table
-
-    report = fit_table(table, x, y, group, model, progress=watch())
-    print_fits(report.as_dict(), json)
-
-
-@leafscope.command
 def leaves(
     file: Path,
     /,
@@ -323,6 +289,7 @@ def snapshot(
     size: str = "1280x800",
     theme: Literal["light", "dark"] = "light",
     limits: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    view: Literal["3d", "image"] = "3d",
     planes: Planes = DEFAULT_PLANES,
     beam: Footprint = DEFAULT_FOOTPRINT,
     reading: Reading = DEFAULT_READING,
@@ -342,6 +309,9 @@ def snapshot(
         Width and height in pixels, WxH.
     limits
         Limits of the colours, LOW,HIGH.
+    view
+        3d: all scans in perspective; image: what the scanner of the first saw, azimuth to the
+        right and elevation upwards.
     """
     from app.cli.printing import say
     from app.services.snapshot import parse_limits, parse_size, snapshot_file
@@ -356,6 +326,7 @@ def snapshot(
         parameters_of(planes, beam),
         overwrite,
         watch(),
+        view,
     )
     say(f"{out} written.")
 
@@ -404,6 +375,14 @@ def demo(*, out: Path | None = None, overwrite: Overwrite = False) -> None:
 leafscope.command(
     "app.cli.simulating:simulate",
     help="Scan a simulated scene: points with everything that is true about them.",
+)
+leafscope.command(
+    "app.cli.fitting:fit",
+    help="Fit an angular model to a table of angles (degrees) and values.",
+)
+leafscope.command(
+    "app.cli.fitting:fit_scan",
+    help="Fit a model to the leaves of a scan in each of its channels.",
 )
 leafscope.command("app.cli.benching:bench", help="Measure how right and how fast Leafscope is.")
 leafscope.command(

@@ -104,19 +104,6 @@ def print_report(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
     say(f"{out} written.")
 
 
-def print_fits(report: Mapping[str, Any], as_json: bool) -> None:
-    """Print fits, a block per group."""
-    if as_json:
-        print_json(report)
-        return
-    for entry in report["fits"]:
-        group = ", ".join(f"{name} {value}" for name, value in entry["group"].items())
-        say(f"{group or 'all'}: {entry['model']}, {entry['n']} points, rss {entry['rss']}")
-        for name, estimate in entry["parameters"].items():
-            say(f"  {name} = {_show_estimate(estimate)}")
-        print_warnings(entry["warnings"])
-
-
 def print_leaves(rows: Sequence[Mapping[str, Any]], out: Path, as_json: bool) -> None:
     """Print how many leaves there are, or the whole table as JSON."""
     if as_json:
@@ -155,10 +142,3 @@ def _show(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         return f"{value:,}"
     return str(value)
-
-
-def _show_estimate(estimate: Mapping[str, Any]) -> str:
-    value, sd, unit = (estimate[key] for key in ("value", "sd", "unit"))
-    if value is None:
-        return "not determined"
-    return f"{value:.6g} ± {'unknown' if sd is None else f'{sd:.2g}'} {unit or ''}".rstrip()

@@ -39,6 +39,10 @@ def run_in_pieces(
     """
     pieces = [(int(first), int(last)) for first, last in pairwise(borders) if last > first]
     progress.report(0.0, text)
+    if len(pieces) == 1:  # starting threads takes longer than most single pieces
+        work(*pieces[0])
+        progress.report(1.0, text)
+        return
     with ThreadPoolExecutor(min(count_processors(), max(1, len(pieces)))) as pool:
         try:
             for done, _ in enumerate(pool.map(lambda piece: work(*piece), pieces), start=1):

@@ -1,4 +1,4 @@
-"""Angles as fields: between beam and surface, from intensity, and the difference of both."""
+"""Angles as fields: between beam and surface, and how far intensity tells another one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from app.core.neighbours.choice import Neighbours
 from app.core.units import to_degrees, to_mm
 from app.model.fields import Computed, Evaluation, FieldSpec, pick_rows
 from app.model.neighbours import neighbours_of
-from app.model.parameters import Curve, Parameters
+from app.model.parameters import Parameters
 
 WIDENED = 1.25
 """Radii from which on a window is a wider one, and not one rounded to whole cells."""
@@ -85,16 +85,6 @@ def compute_incidence_width(evaluation: Evaluation, points: Ints | None) -> Comp
     return Computed(to_mm(np.where(found, width, np.nan)))
 
 
-def compute_incidence_from_intensity(evaluation: Evaluation, points: Ints | None) -> Computed:
-    """Angle whose intensity on the fitted curve is the point's, degrees; NaN where none is."""
-    from app.core.phase import get_model
-
-    curve = _curve_in_use(evaluation)
-    intensity = evaluation.read(curve.channel, points)
-    angles = get_model(curve.model).inverse(intensity, curve.values, curve.within)
-    return Computed(to_degrees(angles), {"curve": curve.model, "origin": curve.origin})
-
-
 def compute_delta_omega(evaluation: Evaluation, points: Ints | None) -> Computed:
     """Angle from intensity less the angle of the leaf's plane, degrees (Balduzzi 2011)."""
     asked = np.arange(evaluation.size) if points is None else points
@@ -138,17 +128,6 @@ def leaf_incidence(evaluation: Evaluation, members: Ints) -> float:
     return float(to_degrees(plane.incidence))
 
 
-def _curve_in_use(evaluation: Evaluation) -> Curve:
-    curve = evaluation.subject.state.parameters.curve
-    evaluation.subject.state.channel_in_use("the angle from intensity")
-    if curve is None:
-        raise BadInput(
-            "No angular curve is in use, and the angle from intensity needs one.",
-            "Fit a leaf in the phase lab and press 'Use this curve'.",
-        )
-    return curve
-
-
 ANGLES = (
     FieldSpec(
         "incidence",
@@ -176,15 +155,6 @@ ANGLES = (
         compute_incidence_width,
         ("incidence",),
         needs=("points", "pose"),
-    ),
-    FieldSpec(
-        "incidence_from_intensity",
-        "Angle from intensity",
-        "°",
-        "angle",
-        compute_incidence_from_intensity,
-        parameters=("curve", "channel"),
-        needs=("channels",),
     ),
     FieldSpec(
         "delta_omega",

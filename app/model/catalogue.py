@@ -10,6 +10,7 @@ from app.model.angle_fields import ANGLES
 from app.model.calibrated import calibrated_channels
 from app.model.correction_fields import correction_fields
 from app.model.corrections import corrected_channels
+from app.model.curve_fields import curve_fields
 from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec, Same, pick_rows
 from app.model.footprint_fields import FOOTPRINTS
 from app.model.hit_fields import HITS
@@ -39,6 +40,7 @@ def build_catalogue(scan: Scan, parameters: Parameters) -> Catalogue:
     specs += correction_fields(parameters.corrections, given, CHANNEL_UNITS, names)
     channels = (*given, *corrected_channels(parameters.corrections, given))
     smoothing = parameters.synthetic_footprint is not None
+    specs += curve_fields(parameters.curve, channels, CHANNEL_UNITS)
     specs += smoothed_fields(channels, CHANNEL_UNITS) if smoothing else ()
     families = list_families(channels, smoothing)
     specs += named_index_fields(families)
@@ -59,6 +61,7 @@ def catalogue_depends_on(parameters: Parameters) -> tuple[object, ...]:
         Same(parameters.profile),
         parameters.corrections,
         parameters.synthetic_footprint is not None,
+        None if parameters.curve is None else parameters.curve.channel,
     )
 
 

@@ -23,6 +23,7 @@ FieldKind = Literal[
     "scalar",
     "angle",
     "signed angle",
+    "signed",
     "score",
     "flag",
     "verdict",

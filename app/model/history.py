@@ -39,14 +39,24 @@ class Step:
 class History:
     """Done steps, undone steps and the log of everything; the log is never shortened.
 
+    Where a drag goes on, its line in the log is written anew: a brush over millions of points
+    would fill the session file with selections that nobody can go back to.
+
     Parameters
     ----------
     cap : int
         Bytes of inverses to hold in memory; the oldest beyond it go to disk.
+
+    Attributes
+    ----------
+    log : list of Entry
+    deeds : int
+        How often something was done, undone or redone; unlike the log it grows in a drag too.
     """
 
     def __init__(self, cap: int = DEFAULT_CAP) -> None:
         self.log: list[Entry] = []
+        self.deeds = 0
         self._done: list[Step] = []
         self._undone: list[AnyOperation] = []
         self._cap = cap
@@ -71,12 +81,14 @@ class History:
     def do(self, operation: AnyOperation, state: State) -> State:
         """Apply an operation; whatever was undone before can no longer be redone."""
         state, inverse = operation.apply(state)
-        self.log.append(Entry("do", operation))
         self._undone.clear()
         if self._done and operation.follows(self._done[-1].operation):
+            if self.log[-1].operation is self._done[-1].operation:
+                self.log.pop()
             self._done[-1].operation = operation
         else:
             self._push(operation, inverse)  # type: ignore[arg-type]
+        self._note(Entry("do", operation))
         return state
 
     def undo(self, state: State) -> State:
@@ -87,7 +99,7 @@ class History:
         state, _ = self._inverse(step).apply(state)
         self._done.pop()
         self._undone.append(step.operation)
-        self.log.append(Entry("undo"))
+        self._note(Entry("undo"))
         return state
 
     def redo(self, state: State) -> State:
@@ -98,7 +110,7 @@ class History:
         state, inverse = operation.apply(state)
         self._undone.pop()
         self._push(operation, inverse)  # type: ignore[arg-type]
-        self.log.append(Entry("redo"))
+        self._note(Entry("redo"))
         return state
 
     def restore(self, log: list[Entry], state: State) -> State:
@@ -109,7 +121,12 @@ class History:
             self._push(operation, inverse)  # type: ignore[arg-type]
         self._undone = list(undone)
         self.log = list(log)
+        self.deeds = len(log)
         return state
+
+    def _note(self, entry: Entry) -> None:
+        self.log.append(entry)
+        self.deeds += 1
 
     def _push(self, operation: AnyOperation, inverse: AnyOperation) -> None:
         self._done.append(Step(operation, inverse, _weigh(inverse)))

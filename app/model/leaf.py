@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from app.core.arrays import Ints
+from app.model.fit_method import Method, usual_method
 from app.model.points import PointSet
 from app.model.selection import Selection
 
@@ -29,7 +30,8 @@ class Leaf(msgspec.Struct, frozen=True):
 class FitRecord(msgspec.Struct, frozen=True):
     """A fit as it was made: on which leaves, channel and model, and its result.
 
-    `result` is the plain form of `app.core.fitting.FitResult`.
+    `result` is the plain form of `app.core.fitting.FitResult`; `method` tells how it was
+    fitted, None as usual (see `usual_method`). A formula model is part of the result.
     """
 
     key: str
@@ -38,6 +40,13 @@ class FitRecord(msgspec.Struct, frozen=True):
     channel: str
     model: str
     result: dict[str, Any]
+    method: Method | None = None
+    fixed: dict[str, float] = {}
+
+    @property
+    def method_used(self) -> Method:
+        """How it was fitted."""
+        return self.method or usual_method(self.leaves)
 
 
 class Sample(msgspec.Struct, frozen=True):

@@ -236,11 +236,12 @@ class MovePoints(Operation, frozen=True):
 
 
 class Select(Operation, frozen=True):
-    """Replace the selection of a scan."""
+    """Replace the selection of a scan; the steps of one drag merge."""
 
     scan: str
     points: PointSet
     basis: Selection | None = None
+    drag: str = ""
 
     @property
     def title(self) -> str:
@@ -251,6 +252,9 @@ class Select(Operation, frozen=True):
         _rows(self.points, old)
         new = replace(old, selection=self.points)
         return state.with_scan(self.scan, new), Select(self.scan, old.selection)
+
+    def follows(self, earlier: Operation) -> bool:
+        return isinstance(earlier, Select) and _goes_on(self, earlier)
 
 
 class SetParameters(Operation, frozen=True):
@@ -270,11 +274,7 @@ class SetParameters(Operation, frozen=True):
         return state.with_scan(self.scan, new), SetParameters(self.scan, old.parameters)
 
     def follows(self, earlier: Operation) -> bool:
-        return (
-            isinstance(earlier, SetParameters)
-            and bool(self.drag)
-            and (self.scan, self.drag) == (earlier.scan, earlier.drag)
-        )
+        return isinstance(earlier, SetParameters) and _goes_on(self, earlier)
 
 
 class PutLeaf(Operation, frozen=True):
@@ -391,6 +391,10 @@ AnyOperation = (
     | PutSeries
     | Several
 )
+
+
+def _goes_on(later: Select | SetParameters, earlier: Select | SetParameters) -> bool:
+    return bool(later.drag) and (later.scan, later.drag) == (earlier.scan, earlier.drag)
 
 
 def _check_key(key: str, own: str) -> None:

@@ -10,6 +10,9 @@ from app.core.errors import WrongUse
 from app.core.footprint import check_beam
 from app.core.ghosts import THRESHOLD
 from app.core.incidence import ESTIMATORS, RADIUS, Estimator
+from app.core.phase import get_model
+from app.core.phase.angular import AngularModel
+from app.core.phase.formula_model import FormulaDefinition, make_formula_model
 from app.core.radiometry.drift import check_power
 from app.core.radiometry.profile import Profile
 from app.core.synthetic_footprint import check_diameter
@@ -20,7 +23,7 @@ MOST_SIGMAS = 100.0
 
 
 class Curve(msgspec.Struct, frozen=True):
-    """An angular curve I(ω) in use: a model of `app.core.phase` with its values.
+    """An angular curve I(ω) in use: a model of `app.core.phase`, or a formula, with its values.
 
     Attributes
     ----------
@@ -32,6 +35,8 @@ class Curve(msgspec.Struct, frozen=True):
         Where it comes from in words, e.g. "fit of Leaf 3".
     within : (low, high)
         Radians between which intensity may be turned into an angle.
+    formula : FormulaDefinition or None
+        Of a model that is the user's own, so that a session opens where it is not known.
     """
 
     model: str
@@ -39,6 +44,18 @@ class Curve(msgspec.Struct, frozen=True):
     channel: str
     origin: str = ""
     within: tuple[float, float] = (0.0, math.pi / 2)
+    formula: FormulaDefinition | None = None
+
+    @property
+    def angular_model(self) -> AngularModel:
+        """The model of the curve.
+
+        Raises
+        ------
+        WrongUse, MissingChannel
+            There is none of that name, or the formula is none.
+        """
+        return get_model(self.model) if self.formula is None else make_formula_model(self.formula)
 
 
 class Beam(msgspec.Struct, frozen=True):

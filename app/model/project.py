@@ -49,7 +49,7 @@ class Project:
     @property
     def modified(self) -> bool:
         """Whether something was done since the last save."""
-        return len(self.history.log) != self.saved_at
+        return self.history.deeds != self.saved_at
 
     def shelve(self, scan: Scan, key: str | None = None) -> str:
         """Put a scan that was read into the library; give its key. Not an operation."""
@@ -77,7 +77,7 @@ class Project:
     def restore(self, log: list[Entry]) -> None:
         """Take over a stored log; the library must hold its scans already."""
         self._replace_state(self.history.restore(log, self.state))
-        self.saved_at = len(self.history.log)
+        self.saved_at = self.history.deeds
 
     def catalogue(self, scan: str) -> Catalogue:
         """The fields that a scan can have, by name."""

@@ -21,6 +21,7 @@ DEFAULT_MAPS: Mapping[FieldKind, str] = {
     "scalar": "cividis",
     "angle": "viridis",
     "signed angle": "delta-omega",
+    "signed": "residual",
     "score": "batlow",
     "flag": "flag",
     "verdict": "verdict",
@@ -139,8 +140,9 @@ def _overlay(project: Project, view: ViewState, key: str) -> tuple[object, ...]:
         if view.show_leaves
         else ()
     )
+    previews = tuple((p.leaf, Same(p.members)) for p in view.previewed if p.scan == key)
     ghosts = Same(state.marks) if view.show_ghosts else None
-    return (Same(state.selection), leaves, ghosts, view.leaf)
+    return (Same(state.selection), leaves, previews, ghosts, view.leaf)
 
 
 def _resolve_bar(project: Project, view: ViewState, key: str, values: Values) -> ColourBar:
@@ -172,8 +174,10 @@ def default_limits(values: Floats, kind: FieldKind) -> tuple[float, float]:
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return 0.0, 1.0
-    if kind == "signed angle":
-        reach = max(float(np.quantile(np.abs(finite), 0.98)), 1.0)
+    if kind in ("signed angle", "signed"):
+        # Zero lies in the middle of the colours.
+        least = 1.0 if kind == "signed angle" else 0.0
+        reach = max(float(np.quantile(np.abs(finite), 0.98)), least) or 1.0
         return -reach, reach
     within = (0.0, 1.0) if kind == "class" else (0.01, 0.99)
     low, high = (float(q) for q in np.quantile(finite, within))

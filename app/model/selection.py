@@ -61,7 +61,13 @@ class Difference(msgspec.Struct, frozen=True, tag=True):
     less: Selection
 
 
-Selection = Lasso | FieldRange | Explicit | Complement | Union | Difference
+class Intersection(msgspec.Struct, frozen=True, tag=True):
+    """Points that all of the selections hold: angles and intensities brushed in a plot."""
+
+    of: tuple[Selection, ...]
+
+
+Selection = Lasso | FieldRange | Explicit | Complement | Union | Difference | Intersection
 ReadField = Callable[[str], Floats]
 
 
@@ -103,3 +109,8 @@ def evaluate(selection: Selection, xyz: Floats, allowed: Bools, read_field: Read
         case Union():
             parts = [evaluate(part, xyz, allowed, read_field).indices for part in selection.of]
             return PointSet(np.concatenate(parts) if parts else ())
+        case Intersection():
+            shared = allowed.copy()  # of nothing: no condition, so everything
+            for part in selection.of:
+                shared &= evaluate(part, xyz, allowed, read_field).mask(len(xyz))
+            return PointSet.from_mask(shared)

@@ -6,6 +6,7 @@ from typing import Literal
 
 import msgspec
 
+from app.model.points import PointSet
 from app.model.scan import Vector
 
 Theme = Literal["system", "light", "dark"]
@@ -17,6 +18,23 @@ class ColourRange(msgspec.Struct, frozen=True):
     low: float
     high: float
     locked: bool = False
+
+
+class Preview(msgspec.Struct, frozen=True):
+    """Points shown in the colour of a leaf though they are not (yet) its members.
+
+    Attributes
+    ----------
+    scan : str
+        Key of the scan whose points they are.
+    leaf : str
+        Key that gives the colour, e.g. of the leaf that was carried here from another scan.
+    members : PointSet
+    """
+
+    scan: str
+    leaf: str
+    members: PointSet
 
 
 class ViewState(msgspec.Struct, frozen=True):
@@ -40,6 +58,8 @@ class ViewState(msgspec.Struct, frozen=True):
         Overlays of leaf colours and of points marked as ghosts.
     leaf : str or None
         Key of the leaf that panels work on.
+    previewed : tuple of Preview
+        Leaves to be shown beside those of the document; no session file keeps them.
     camera : tuple of three vectors or None
         Position, focal point, view up in world metres; None shows everything.
     view_angle : float
@@ -57,6 +77,7 @@ class ViewState(msgspec.Struct, frozen=True):
     show_leaves: bool = False
     show_ghosts: bool = True
     leaf: str | None = None
+    previewed: tuple[Preview, ...] = ()
     theme: Theme = "system"
     camera: tuple[Vector, Vector, Vector] | None = None
     view_angle: float = 30.0

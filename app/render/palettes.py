@@ -19,7 +19,7 @@ PaletteKind = Literal["sequential", "diverging", "flag", "categorical"]
 
 PALETTES: Mapping[PaletteKind, tuple[str, ...]] = {
     "sequential": ("cividis", "viridis", "batlow", "grey"),
-    "diverging": ("delta-omega", "vik"),
+    "diverging": ("delta-omega", "residual", "vik"),
     "flag": ("flag",),
     "categorical": ("leaves", "verdict", "marks"),
 }
@@ -28,6 +28,8 @@ PALETTES: Mapping[PaletteKind, tuple[str, ...]] = {
 DELTA_OMEGA = ("#8c1018", "#d73027", "#f99b3c", "#f7dc50", "#4fb463", "#3e8fc4", "#4a58b0",
                "#6a3796", "#401259")  # fmt: skip
 DELTA_OMEGA_AT = (0.0, 0.14, 0.28, 0.40, 0.50, 0.62, 0.74, 0.87, 1.0)
+# Blue below, sand at zero, brown above: sand vanishes on no background, where white would.
+RESIDUAL = ("#1d4a94", "#2a6cb8", "#5f9bcf", "#b9a96c", "#d9803a", "#b8481f", "#8c2014")
 FLAG = ("#56b4e9", "#d55e00")
 VERDICT = (*FLAG, "#f0e442")  # no, yes, unsure
 # Good, no signal, dark, saturated, beyond the ranges, beyond the response, partial hit.
@@ -74,6 +76,8 @@ def colour_table(name: str) -> Bytes:
     match name:
         case "delta-omega":
             table = _blend(DELTA_OMEGA, DELTA_OMEGA_AT)
+        case "residual":
+            table = _blend(RESIDUAL, tuple(np.linspace(0.0, 1.0, len(RESIDUAL)).tolist()))
         case "flag":
             table = np.repeat([_rgba(colour) for colour in FLAG], 128, axis=0)
         case "leaves":

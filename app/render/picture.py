@@ -50,14 +50,14 @@ class ProjectSource:
         return self.project.known_field(scan, field)
 
     def overlay(self, scan: str) -> Overlay:
-        """Selection, leaves and ghosts, as far as the view wants to see them."""
+        """Selection, leaves, previews and ghosts, as far as the view wants to see them."""
         state = self.project.state.scan(scan)
         leaves = self.project.state.leaves_of(scan) if self.view.show_leaves else ()
+        shown = [(leaf.key, leaf.members) for leaf in leaves]
+        shown += [(one.leaf, one.members) for one in self.view.previewed if one.scan == scan]
         return Overlay(
             selection=state.selection.indices,
-            leaves=[
-                LeafMark(leaf.key, leaf.members.indices, leaf_colour(leaf.key)) for leaf in leaves
-            ],
+            leaves=[LeafMark(key, points.indices, leaf_colour(key)) for key, points in shown],
             ghosts=state.marks if self.view.show_ghosts else None,
             current=self.view.leaf,
         )

@@ -86,16 +86,17 @@ def read_fitted(path: Path, channel: str, workflow: str) -> Correction:
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))["fits"]
         fits = [entry for entry in entries if _is_meant(entry, channel, workflow)]
+        made = [_correction_of(entry, path.name, channel, workflow) for entry in fits]
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise BadInput(f"{path} is no table of fits: {error}.", "Make one with fit --json.") from (
             error
         )
-    if len(fits) != 1:
+    if len(made) != 1:
         raise BadInput(
-            f"{path.name} has {len(fits)} fits of {get_workflow(workflow).model} for {channel}.",
+            f"{path.name} has {len(made)} fits of {get_workflow(workflow).model} for {channel}.",
             "Keep the one that is meant, with its channel as a group.",
         )
-    return _correction_of(fits[0], path.name, channel, workflow)
+    return made[0]
 
 
 def _is_meant(entry: Mapping[str, Any], channel: str, workflow: str) -> bool:
@@ -110,6 +111,15 @@ def _correction_of(entry: Mapping[str, Any], name: str, channel: str, workflow: 
     told = {key: p for key, p in entry["parameters"].items() if key in wanted}
     values = {key: float(p["value"]) for key, p in told.items() if p["value"] is not None}
     spread = {key: p["sd"] for key, p in told.items() if key in values and p["sd"] is not None}
-    covariance = {key: {key: float(sd) ** 2} for key, sd in spread.items()}
-    low, high = (float(to_radians(a)) for a in entry.get("angles_deg", (0.0, 90.0)))
+    covariance = _read_covariance(entry.get("covariance") or {}, spread)
+    low, high = (float(to_radians(a)) for a in entry.get("angles_deg") or (0.0, 90.0))
     return Correction(channel, workflow, values, covariance, LEAST_BRACKET, (low, high), name)
+
+
+def _read_covariance(
+    told: Mapping[str, Mapping[str, float]], spread: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """The covariance of a fit; where only standard deviations are told, as if independent."""
+    if not told:
+        return {key: {key: float(sd) ** 2} for key, sd in spread.items()}
+    return {a: {b: float(told[a][b]) for b in spread} for a in spread}

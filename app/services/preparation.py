@@ -20,7 +20,7 @@ from app.services.leaves import find_leaves
 from app.services.opening import set_parameters
 
 WARM_UP_POINTS = 64
-CURVE_FIELDS = frozenset({"incidence_from_intensity", "delta_omega"})
+CURVE_FIELDS = frozenset({"incidence_from_intensity", "delta_omega", "residual"})
 NOTHING_ELSE = frozenset({"leaf", "footprint_share"})
 """Fields that without a leaf have no value anywhere."""
 LEAF_FIELDS = NOTHING_ELSE | CURVE_FIELDS

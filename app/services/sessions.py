@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from app.core.errors import BadInput, LeafscopeError, WrongUse
+from app.core.fitting import FitResult
 from app.core.progress import QUIET, Progress
 from app.formats import session as container
 from app.formats.atomic import atomic_path, refuse_target
@@ -23,10 +26,13 @@ from app.model.operations import AddScan, AnyOperation, PutFit, Several
 from app.model.project import Project
 from app.model.scan import Scan, Source
 from app.model.view_state import ViewState
-from app.services.curves import angles_and_values, fit_values, members_of, plain
+from app.services.curves import fit_again, plain, result_of
 from app.services.export import export, gather
 from app.services.leaves import measure_leaves, write_table
 from app.services.reading import read_file
+
+CLOSE = 1e-6
+"""Relative difference below which a fit came out the same, of its value or its σ."""
 
 
 def save_session(project: Project, view: ViewState, path: Path, overwrite: bool = True) -> None:
@@ -44,8 +50,9 @@ def save_session(project: Project, view: ViewState, path: Path, overwrite: bool 
             name = project.state.library[key].name
             raise BadInput(f"{name} came from no file.", "Export it first, then open the export.")
         sources[key] = source
-    container.write(path, Session(sources, project.history.log, view), overwrite)
-    project.saved_at = len(project.history.log)
+    kept = msgspec.structs.replace(view, previewed=())
+    container.write(path, Session(sources, project.history.log, kept), overwrite)
+    project.saved_at = project.history.deeds
 
 
 def open_session(path: Path, progress: Progress = QUIET) -> tuple[Project, ViewState]:
@@ -179,29 +186,38 @@ def replay_log(project: Project, session: Session) -> list[dict[str, Any]]:
     verdicts = []
     done, _ = settle(session.log)
     for operation in done:
-        if isinstance(operation, PutFit) and operation.fit is not None:
-            verdicts.append(_check_fit(project, operation.fit))
+        for step in _flatten(operation):
+            if isinstance(step, PutFit) and step.fit is not None:
+                verdicts.append(_check_fit(project, step.fit))
         project.do(operation)
     return verdicts
 
 
 def _check_fit(project: Project, record: FitRecord) -> dict[str, Any]:
-    points = members_of(project, record.scan, record.leaves)
-    angle, value = angles_and_values(project, record.scan, points, record.channel)
-    again = plain(fit_values(angle, value, record.model, binned=not record.leaves))
+    again, kept = fit_again(project, record), result_of(record)
     return {
         "fit": record.key,
         "model": record.model,
         "channel": record.channel,
         "leaves": list(record.leaves),
-        "result": again,
-        "same": _same(again, record.result),
+        "result": plain(again),
+        "same": _same(again, kept),
     }
 
 
-def _same(left: object, right: object) -> bool:
-    # Through JSON, as the session stores it: tuples become lists, floats keep every digit.
-    return json.dumps(left, sort_keys=True) == json.dumps(right, sort_keys=True)
+def _same(again: FitResult, kept: FitResult) -> bool:
+    """Whether two fits agree, but for the order in which a batch adds its numbers."""
+    if (again.model, again.n, again.kind) != (kept.model, kept.n, kept.kind):
+        return False
+    return all(
+        math.isclose(value, kept.values[name], rel_tol=CLOSE, abs_tol=CLOSE * _spread(kept, name))
+        or (math.isnan(value) and math.isnan(kept.values[name]))
+        for name, value in again.values.items()
+    )
+
+
+def _spread(result: FitResult, name: str) -> float:
+    return result.parameters[name].sd or 0.0
 
 
 def _replay_scan(

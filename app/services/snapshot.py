@@ -17,6 +17,7 @@ from app.services.opening import Opening, open_file
 from app.services.preparation import prepare
 
 Theme = Literal["light", "dark"]
+View = Literal["3d", "image"]
 
 
 def snapshot_file(
@@ -29,6 +30,7 @@ def snapshot_file(
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
     progress: Progress = QUIET,
+    seen: View = "3d",
 ) -> None:
     """Make a PNG of a file, seen from its scanner where that is known.
 
@@ -36,9 +38,13 @@ def snapshot_file(
     ----------
     parameters : mapping
         Attributes of `Parameters` that differ from the defaults.
+    seen : {'3d', 'image'}
+        All scans in perspective, or the scan image of the first.
 
     Raises
     ------
+    MissingScanner
+        A scan image without the scanner's position.
     WrongUse
         A field that does not exist.
     BadInput
@@ -53,7 +59,10 @@ def snapshot_file(
         project.field(key, colour, None, progress.part(0.4, 0.8))
     ranges = {colour: ColourRange(*limits)} if limits else {}
     view = ViewState(current=keys[0] if keys else None, colour=colour, ranges=ranges)
-    write_picture(project, view, out, size, theme, overwrite)
+    if seen == "image" and view.current is not None:
+        write_scan_image(project, view, view.current, out, size, theme, overwrite, progress)
+    else:
+        write_picture(project, view, out, size, theme, overwrite)
 
 
 def write_picture(
@@ -79,6 +88,37 @@ def write_picture(
     )
     with atomic_path(out, overwrite) as temporary:
         temporary.write_bytes(png_bytes(image, Title=view.colour, Software="Leafscope"))
+
+
+def write_scan_image(
+    project: Project,
+    view: ViewState,
+    scan: str,
+    out: Path,
+    size: tuple[int, int],
+    theme: Theme,
+    overwrite: bool = False,
+    progress: Progress = QUIET,
+) -> None:
+    """Draw what the scanner of one scan saw: azimuth to the right, elevation upwards.
+
+    Raises
+    ------
+    MissingScanner
+        The position of the scanner is unknown.
+    """
+    from app.render.picture import ProjectSource
+    from app.render.scan_image.image import make_image
+    from app.render.scan_image.layout import lay_out
+    from app.render.scan_image.picture import render_scan_image
+    from app.render.snapshot import png_bytes
+
+    state = project.state.scan(scan)
+    image = make_image(lay_out(state.scan, progress.part(0.8, 1.0)), state.alive)
+    source = ProjectSource(project, view)
+    drawn = render_scan_image(resolve(project, view), source, scan, image, size, theme)
+    with atomic_path(out, overwrite) as temporary:
+        temporary.write_bytes(png_bytes(drawn, Title=view.colour, Software="Leafscope"))
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -7,11 +7,12 @@ import pytest
 
 from app.core.errors import BadInput, WrongUse
 from app.model.history import Entry, settle
-from app.model.operations import AddScan, MarkGhosts, SetDeleted, SetParameters
+from app.model.operations import AddScan, MarkGhosts, Select, SetDeleted, SetParameters
 from app.model.parameters import Parameters
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Scan
+from app.model.selection import FieldRange
 
 
 @pytest.fixture
@@ -36,6 +37,49 @@ def test_another_drag_is_another_step(project: Project) -> None:
     project.do(SetParameters("scan-00001", Parameters(radius=0.005), drag="radius-1"))
     project.do(SetParameters("scan-00001", Parameters(radius=0.006), drag="radius-2"))
     assert len(project.history.done) == 3
+
+
+def brush(project: Project, stop: int, drag: str = "brush-1") -> None:
+    basis = FieldRange("range", 0.0, float(stop))
+    project.do(Select("scan-00001", PointSet(range(stop)), basis, drag))
+
+
+def test_a_brush_is_one_step_and_one_line_of_the_log(project: Project) -> None:
+    project.do(Select("scan-00001", PointSet([9])))
+    for stop in (2, 4, 7):
+        brush(project, stop)
+    assert len(project.history.done) == 3
+    assert len(project.history.log) == 3
+    assert project.history.log[-1].operation is project.history.done[-1]
+    project.undo()
+    assert project.state.scan("scan-00001").selection == PointSet([9])
+    project.redo()
+    assert project.state.scan("scan-00001").selection == PointSet(range(7))
+
+
+def test_a_brush_after_undo_keeps_the_lines_that_undo_refers_to(project: Project) -> None:
+    brush(project, 2)
+    project.do(SetDeleted("scan-00001", PointSet([1])))
+    project.undo()
+    brush(project, 5)
+    assert [entry.deed for entry in project.history.log] == ["do", "do", "do", "undo", "do"]
+    done, undone = settle(project.history.log)
+    assert tuple(done) == project.history.done
+    assert undone == []
+
+
+@pytest.mark.parametrize("other", ["brush-2", ""])
+def test_another_brush_is_another_step(project: Project, other: str) -> None:
+    brush(project, 2)
+    brush(project, 3, other)
+    assert len(project.history.done) == 3
+
+
+def test_a_parameter_between_two_strokes_parts_them(project: Project) -> None:
+    brush(project, 2)
+    project.do(SetParameters("scan-00001", Parameters(radius=0.005), drag="brush-1"))
+    brush(project, 3)
+    assert len(project.history.done) == 4
 
 
 def test_the_log_keeps_what_was_undone_and_overwritten(project: Project) -> None:
@@ -74,9 +118,17 @@ def test_oldest_inverses_go_to_disk_first(project: Project) -> None:
 
 
 def test_modified_follows_the_log(project: Project) -> None:
-    project.saved_at = len(project.history.log)
+    project.saved_at = project.history.deeds
     assert not project.modified
     project.do(SetDeleted("scan-00001", PointSet([1])))
+    assert project.modified
+
+
+def test_a_drag_that_goes_on_after_saving_is_a_change(project: Project) -> None:
+    brush(project, 2)
+    project.saved_at = project.history.deeds
+    brush(project, 3)
+    assert len(project.history.log) == 2
     assert project.modified
 
 

@@ -29,7 +29,7 @@ from app.model.parameters import Curve, Parameters
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Channel, Pose, Scan
-from app.model.selection import Difference, Explicit, FieldRange
+from app.model.selection import Difference, Explicit, FieldRange, Intersection
 from app.model.series import Correction, Series, SeriesEntry
 from app.model.state import State
 
@@ -46,6 +46,11 @@ def make_leaf(key: str, members: PointSet) -> Leaf:
 def make_series(corrected: PointSet) -> Series:
     entry = SeriesEntry("scan-00001", 5.0, corrections=(Correction("leaf-00001", corrected),))
     return Series("series-00001", "stage", (entry,), "scan-00001")
+
+
+def brush(chosen: PointSet, drag: str) -> Select:
+    basis = Intersection((FieldRange("incidence", 10.0, 20.0), Explicit(chosen)))
+    return Select("scan-00001", chosen, basis, drag)
 
 
 def moves(chosen: PointSet) -> MovePoints:
@@ -73,6 +78,8 @@ simple = st.one_of(
     points.map(lambda p: PutSeries("series-00001", make_series(p))),
     st.just(PutSeries("series-00001", None)),
 )
+# One after another they may merge, so there can be fewer steps than operations.
+brushes = st.builds(brush, points, st.sampled_from(["brush-1", "brush-2"]))
 operations = st.one_of(simple, st.lists(simple, max_size=3).map(lambda s: Several("x", tuple(s))))
 
 
@@ -126,14 +133,14 @@ def test_undo_of_everything_and_redo_of_everything(steps: list[AnyOperation]) ->
 
 
 @settings(max_examples=100, deadline=None)
-@given(operations)
+@given(st.one_of(operations, brushes))
 def test_codec_gives_back_what_it_got(step: AnyOperation) -> None:
     arrays: dict[str, np.ndarray] = {}
     assert decode(encode(step, arrays, "a"), arrays) == step
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.lists(st.one_of(operations, st.sampled_from(["undo", "redo"])), max_size=12))
+@given(st.lists(st.one_of(operations, brushes, st.sampled_from(["undo", "redo"])), max_size=12))
 def test_a_log_restores_state_and_both_stacks(deeds: list[AnyOperation | str]) -> None:
     project = fresh()
     for deed in deeds:

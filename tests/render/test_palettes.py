@@ -54,6 +54,18 @@ def test_delta_omega_is_green_at_zero_red_below_and_purple_above() -> None:
     assert high[2] > high[0] > high[1]
 
 
+def test_a_residual_of_zero_is_the_lightest_and_seen_on_every_background() -> None:
+    table = colour_table("residual")[::5].astype(float)
+    middle = int(np.argmax(lightness(table)))
+    assert abs(middle - len(table) // 2) <= 1
+    zero = colours(np.zeros(1), -1.0, 1.0, "residual")[0, :3].astype(float)
+    for ground in (*BACKGROUNDS["light"], *BACKGROUNDS["dark"], *MISSING.values()):
+        assert np.abs(zero - ground).max() > 30
+    low, high = (colours(np.array([x]), -1.0, 1.0, "residual")[0].astype(int) for x in (-0.5, 0.5))
+    assert low[2] > low[0] + 60
+    assert high[0] > high[2] + 60
+
+
 def test_values_beyond_the_limits_and_nan() -> None:
     found = colours(np.array([-5.0, 0.0, 1.0, 9.0, np.nan]), 0, 1, "viridis", (1, 2, 3))
     table = colour_table("viridis")

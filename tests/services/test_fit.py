@@ -12,7 +12,8 @@ from app.core.errors import BadInput, Cancelled, WrongUse
 from app.core.phase import get_model
 from app.core.progress import LiveProgress
 from app.core.units import to_radians
-from app.services.fit import fit_groups, fit_points, fit_table
+from app.services.fit import fit_groups, fit_table
+from app.services.lab.method import Method, fit_by
 
 TRUE = {"f": 900.0, "k_d": 0.45, "m": 0.32}
 DEGREES = np.arange(0.0, 81.0, 5.0)
@@ -51,13 +52,18 @@ def test_json_is_the_contract(tmp_path: Path) -> None:
     assert json.loads(json.dumps(plain, allow_nan=False)) == plain
     good, bad = plain["fits"]
     for one in (good, bad):
-        assert list(one) == ["group", "model", "n", "parameters", "rss", "warnings"]
+        assert list(one)[:6] == ["group", "model", "n", "parameters", "rss", "warnings"]
+        assert set(one) >= {"intervals", "covariance", "aic", "aicc", "bic", "angles_deg", "kind"}
         assert list(one["parameters"]) == ["f", "k_d", "m"]
         assert all(set(p) == {"value", "sd", "unit"} for p in one["parameters"].values())
     assert good["group"] == {"leaf": "a"}
     assert good["n"] == len(DEGREES)
     assert good["warnings"] == []
+    assert good["angles_deg"] == pytest.approx([0.0, 80.0])
+    assert good["intervals"]["f"] == pytest.approx([900.0, 900.0], rel=1e-6)
     assert bad["rss"] is None
+    assert bad["angles_deg"] is None
+    assert bad["covariance"] == {}
     assert all(p["value"] is None and p["sd"] is None for p in bad["parameters"].values())
     assert "needs more pairs" in bad["warnings"][0]
 
@@ -140,10 +146,10 @@ def test_unknown_model_is_wrong_use_before_the_file_is_read(tmp_path: Path) -> N
 
 
 def test_points_of_several_leaves() -> None:
-    result = fit_points(np.tile(DEGREES, 3), np.tile(curve(), 3), "lambert-beckmann")
+    result = fit_by(Method(), "lambert-beckmann", np.tile(DEGREES, 3), np.tile(curve(), 3))
     assert result.values == pytest.approx(TRUE, rel=1e-9)
     assert result.n == 3 * len(DEGREES)
-    held = fit_points(DEGREES, curve(), "lambert-beckmann", fixed={"m": 0.3})
+    held = fit_by(Method(), "lambert-beckmann", DEGREES, curve(), fixed={"m": 0.3})
     assert held.values["m"] == 0.3
 
 

@@ -1,0 +1,1 @@
+"""What the phase-function lab does without a window: fits, comparisons, tables, figures."""
