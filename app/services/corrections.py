@@ -127,10 +127,13 @@ def published_correction(
     return Correction(channel.name, workflow, values, origin=origin, leaves=tuple(leaves))
 
 
-def apply_corrections(project: Project, scan: str, corrections: Sequence[Correction]) -> None:
+def apply_corrections(
+    project: Project, scan: str, corrections: Sequence[Correction], *, instead: bool = False
+) -> None:
     """Put corrections to use beside those in use, as one step to undo.
 
-    One of the same channel, workflow and leaves is replaced.
+    One of the same channel, workflow and leaves is replaced. With `instead` they take the place
+    of all that is in use for the same leaves: one for all points replaces every one of its name.
 
     Raises
     ------
@@ -149,9 +152,21 @@ def apply_corrections(project: Project, scan: str, corrections: Sequence[Correct
         _check_source(state.channel(correction.source))
     marks = [(each.name, each.leaves) for each in corrections]
     kept = [each for each in state.parameters.corrections if (each.name, each.leaves) not in marks]
+    if instead:
+        kept = [rest for each in kept if (rest := _cut(each, corrections)) is not None]
     wanted = (*kept, *corrections)
     _refuse_two_for_one(wanted)
     project.do(SetParameters(scan, replace(state.parameters, corrections=wanted)))
+
+
+def _cut(old: Correction, newer: Sequence[Correction]) -> Correction | None:
+    """What remains of a correction beside newer ones."""
+    rivals = [each for each in newer if each.name == old.name]
+    if any(not each.leaves for each in rivals):
+        return None
+    taken = {key for each in rivals for key in each.leaves}
+    left = tuple(key for key in old.leaves if key not in taken)
+    return old if not old.leaves else replace(old, leaves=left) if left else None
 
 
 def _check_source(source: Channel) -> None:

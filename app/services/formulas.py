@@ -43,6 +43,48 @@ def use_formulas(project: Project, scan: str, formulas: Sequence[Formula]) -> li
     return picks
 
 
+def put_formula(project: Project, scan: str, formula: Formula, instead_of: str = "") -> list[Pick]:
+    """Put one formula to use, in the place of another one if it is renamed; one step.
+
+    Raises
+    ------
+    WrongUse
+        The name is none that a formula can name, or is taken.
+    MissingChannel
+        A channel that the formula names is not there.
+    """
+    parameters = project.state.scan(scan).parameters
+    check_name(project, scan, formula.name, instead_of)
+    picks = pick_channels(project, scan, formula.text)
+    old = instead_of or formula.name
+    if any(each.name == old for each in parameters.formulas):
+        new = tuple(formula if each.name == old else each for each in parameters.formulas)
+    else:
+        new = (*parameters.formulas, formula)
+    project.do(SetParameters(scan, replace(parameters, formulas=new)))
+    return list(picks)
+
+
+def check_name(project: Project, scan: str, name: str, own: str = "") -> None:
+    """Refuse (`WrongUse`) a name for an index that is none or is taken; `own` is free."""
+    if not (name.isidentifier() and name.isascii()):
+        raise WrongUse(
+            f"{name!r} is no name of an index." if name else "The index has no name.",
+            "Letters, digits and _ make a name; a letter comes first.",
+        )
+    if name != own and name in project.catalogue(scan):
+        raise WrongUse(f"{name} is a field already.", "Choose another name.")
+
+
+def remove_formula(project: Project, scan: str, name: str) -> None:
+    """Take a formula out of use, as one step."""
+    parameters = project.state.scan(scan).parameters
+    kept = tuple(formula for formula in parameters.formulas if formula.name != name)
+    if len(kept) == len(parameters.formulas):
+        raise WrongUse(f"There is no index {name} to remove.")
+    project.do(SetParameters(scan, replace(parameters, formulas=kept)))
+
+
 def pick_channels(project: Project, scan: str, text: str) -> tuple[Pick, ...]:
     """The channels that a formula's wavelengths stand for, with their distance in nm."""
     state = project.state.scan(scan)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.core.amplitude import Amplitude, measure_amplitude
+from app.core.amplitude import LEVEL, Amplitude, measure_amplitude
 from app.core.arrays import Floats
 from app.core.channel_index import ChannelIndex
 from app.core.errors import BadInput
@@ -19,6 +19,7 @@ from app.core.index_curves import (
     curve_of_index,
     fit_channel,
 )
+from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
 from app.formats.atomic import refuse_target
 from app.services.leaves import Row, write_table
@@ -73,14 +74,19 @@ class IndexAngles:
 
 
 def compare_angles(
-    index: ChannelIndex, groups: Iterable[Group], model: str, reference: str | None, holder: bool
+    index: ChannelIndex,
+    groups: Sequence[Group],
+    model: str,
+    reference: str | None,
+    holder: bool,
+    progress: Progress = QUIET,
 ) -> IndexAngles:
     """Curve, range and amplitude of an index in each group.
 
     Parameters
     ----------
     index : ChannelIndex
-    groups : iterable of Group
+    groups : sequence of Group
     model : str
         Angular model that is fitted to each channel.
     reference : str or None
@@ -89,11 +95,13 @@ def compare_angles(
     holder : bool
         The angles are those of a holder. Angles of incidence count from face-on: their peak is
         at 0°.
+    progress : Progress
     """
     rows: list[Row] = []
     curves: list[Row] = []
     warnings: list[str] = []
-    for group in groups:
+    for number, group in enumerate(groups):
+        progress.report(number / len(groups), "Comparing angles")
         said = ", ".join(group.labels.values()) or "all"
         row: Row = dict(group.labels)
         measured = bins_of_index(index, group.angle, group.values)
@@ -151,6 +159,10 @@ def _measure_amplitudes(
         mu = channels[reference].mu_deg
     found = measure_amplitude(group.angle, index.evaluate(group.values), mu)
     row: Row = {"index_mean": _number(found.mean), "n": found.n}
+    values = index.evaluate(group.values)[np.isfinite(group.angle)]
+    row["undefined"] = int(np.count_nonzero(~np.isfinite(values)))
+    low, high = _interval_of_mean(values)
+    row |= {"index_mean_low": _number(low), "index_mean_high": _number(high)}
     row |= _tell_amplitude("A", found)
     row |= {"mu_deg": _number(found.mu_deg)}
     for channel, amplitude in channels.items():
@@ -158,9 +170,22 @@ def _measure_amplitudes(
     return row
 
 
+def _interval_of_mean(values: Floats) -> tuple[float, float]:
+    """95 % interval of a mean by Student's t, as if points were independent."""
+    from scipy.stats import t
+
+    known = values[np.isfinite(values)]
+    if len(known) < 2:
+        return float("nan"), float("nan")
+    reach = float(known.std(ddof=1) / np.sqrt(len(known)) * t.isf(LEVEL / 2.0, len(known) - 1))
+    return float(known.mean()) - reach, float(known.mean()) + reach
+
+
 def _tell_amplitude(name: str, found: Amplitude) -> Row:
     return {
         name: _number(found.value),
+        f"{name}_low": _number(found.interval[0]),
+        f"{name}_high": _number(found.interval[1]),
         f"{name}_from_noise": _number(found.from_noise),
         f"{name}_p": _number(found.p),
         f"{name}_exceeds_noise": int(found.exceeds_noise),

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from app.core.arrays import Ints
 from app.core.channel_index import ChannelIndex, choose_index
 from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
@@ -45,12 +46,31 @@ def groups_of_scan(
         if leaves is not None and leaf.key not in leaves:
             continue
         points = leaf.members.indices[state.alive[leaf.members.indices]]
-        angle = project.field(scan, "incidence", points, progress)
-        values = {c: project.field(scan, c, points) for c in index.channels}
-        kept = angle <= STEEPEST
-        values = {name: value[kept] for name, value in values.items()}
-        groups.append(Group({"leaf": leaf.name}, to_radians(angle[kept]), values))
+        groups.append(_group_points(project, scan, index, points, leaf.name, progress))
     return groups
+
+
+def _group_points(
+    project: Project,
+    scan: str,
+    index: ChannelIndex,
+    points: Ints,
+    name: str,
+    progress: Progress,
+) -> Group:
+    angle = project.field(scan, "incidence", points, progress)
+    values = {c: project.field(scan, c, points) for c in index.channels}
+    kept = angle <= STEEPEST
+    values = {channel: value[kept] for channel, value in values.items()}
+    return Group({"leaf": name}, to_radians(angle[kept]), values)
+
+
+def group_of_scan(
+    project: Project, scan: str, index: ChannelIndex, progress: Progress = QUIET
+) -> Group:
+    """Angles of incidence and channels of all points of a scan, up to 80°."""
+    points = np.flatnonzero(project.state.scan(scan).alive)
+    return _group_points(project, scan, index, points, "whole scan", progress)
 
 
 def join_groups(groups: Sequence[Group]) -> Group:
@@ -102,11 +122,12 @@ def index_angle_of_file(
         find_leaves(project, scan, progress.part(0.4, 0.7))
     else:
         leaves_from_labels(project, scan, label_field)
-    groups = groups_of_scan(project, scan, chosen, None, progress.part(0.7, 1.0))
+    groups = groups_of_scan(project, scan, chosen, None, progress.part(0.7, 0.8))
     if not groups:
         raise BadInput(f"No leaf was found in {opening.path.name}.")
     wanted = [join_groups(groups)] if together else groups
-    return compare_angles(chosen, wanted, model, None, holder=False)
+    later = progress.part(0.8, 1.0)
+    return compare_angles(chosen, wanted, model, None, holder=False, progress=later)
 
 
 def index_angle_of_table(

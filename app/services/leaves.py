@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from app.services.error_budget import explain_reflectance
 
 # A segment that shares more than this with a leaf is that leaf, seen with another border.
 SAME_LEAF = 0.3
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?([eE][-+]?\d+)?")
 Row = dict[str, str | float | int | None]
 
 
@@ -242,6 +244,7 @@ def write_table(
 def _cell(value: str | float | int | None) -> str:
     if value is None:
         return ""
-    if isinstance(value, str) and value[:1] in "=+-@":
+    risky = isinstance(value, str) and value.startswith(("=", "+", "-", "@"))
+    if risky and not NUMBER.fullmatch(str(value)):
         return f"'{value}"  # a spreadsheet must not run a leaf's name as a formula
     return repr(value) if isinstance(value, float) else str(value)

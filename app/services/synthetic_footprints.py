@@ -89,11 +89,11 @@ def index_in(project: Project, scan: str, text: str) -> ChannelIndex:
         See `app.core.channel_index.choose_index`.
     """
     state = project.state.scan(scan)
-    for workflow in state.workflows[1:]:
-        if text.endswith(f"_{workflow}") and text.isidentifier():
-            own = state.wavelengths_of(workflow)
-            return choose_index(text.removesuffix(f"_{workflow}"), own)
     formulas = {formula.name: formula.text for formula in state.parameters.formulas}
+    for workflow in state.workflows[1:]:
+        if text.endswith(f"_{workflow}") and text.isidentifier() and text not in formulas:
+            own, stem = state.wavelengths_of(workflow), text.removesuffix(f"_{workflow}")
+            return choose_index(formulas.get(stem, stem), own)
     names = [channel.name for channel in state.channels]
     return choose_index(formulas.get(text, text), state.wavelengths, names)
 

@@ -45,12 +45,16 @@ class Wanted:
         Fit each leaf on its own, or all leaves together; None fits nothing, for corrections that
         the opening names.
     least_bracket : float
+    leaves : tuple of str or None
+        Keys of the leaves that are fitted and corrected; None: all of them, and one fit for all
+        corrects all points. Empty: the whole scan.
     """
 
     channels: tuple[str, ...] = ()
     workflows: tuple[str, ...] = ("wf2", "wf3")
     fit_to: FitTo | None = "all"
     least_bracket: float = LEAST_BRACKET
+    leaves: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,14 +124,36 @@ def correct_leaves(
     list of str
         Sentences about leaves that could not be fitted: their points are marked.
     """
+    made, warnings = fit_corrections(project, scan, wanted, progress)
+    if wanted.fit_to is None:
+        return warnings
+    if not made:
+        raise BadInput("No leaf could be corrected.", " ".join(warnings[-1:]))
+    apply_corrections(project, scan, made)
+    return warnings
+
+
+def fit_corrections(
+    project: Project, scan: str, wanted: Wanted, progress: Progress = QUIET
+) -> tuple[list[Correction], list[str]]:
+    """Fit what the corrections of channels need, and keep the fits; puts nothing to use.
+
+    Returns
+    -------
+    corrections : list of Correction
+    warnings : list of str
+        Sentences about channels that mean little, and about leaves that could not be fitted.
+    """
     state = project.state.scan(scan)
     names = wanted.channels or tuple(c.name for c in state.channels if not c.workflow)
     channels = [state.channel(name) for name in names]
     warnings = [text for text in map(warn_about_source, channels) if text]
     if wanted.fit_to is None:
-        return warnings
-    leaves = [leaf.key for leaf in project.state.leaves_of(scan)]
-    groups = [tuple(leaves)] if wanted.fit_to == "all" else [(key,) for key in leaves]
+        return [], warnings
+    leaves = wanted.leaves
+    if leaves is None:
+        leaves = tuple(leaf.key for leaf in project.state.leaves_of(scan))
+    groups = [leaves] if wanted.fit_to == "all" else [(key,) for key in leaves]
     made: list[Correction] = []
     orders = [(c.name, w, g) for c in channels for w in wanted.workflows for g in groups]
     for number, (channel, workflow, group) in enumerate(orders):
@@ -135,7 +161,7 @@ def correct_leaves(
         model = get_workflow(workflow).model
         try:
             record = fit_leaves(project, scan, group, model, channel)
-            meant = group if wanted.fit_to == "leaf" else ()
+            meant = () if wanted.fit_to == "all" and wanted.leaves is None else group
             made.append(
                 correction_of_fit(
                     project, record, workflow, leaves=meant, least_bracket=wanted.least_bracket
@@ -143,10 +169,7 @@ def correct_leaves(
             )
         except BadInput as error:
             warnings.append(f"{_name(project, group)}, {channel}, {workflow}: {error}")
-    if not made:
-        raise BadInput("No leaf could be corrected.", " ".join(warnings[-1:]))
-    apply_corrections(project, scan, made)
-    return warnings
+    return made, warnings
 
 
 def _name(project: Project, group: Sequence[str]) -> str:
@@ -170,11 +193,12 @@ def compare_workflows(
         points = leaf.members.indices[state.alive[leaf.members.indices]]
         for channel in state.channels:
             if not channel.workflow:
-                rows.append(_compare(project, leaf, channel.name, points))
+                rows.append(compare_points(project, leaf, channel.name, points))
     return rows
 
 
-def _compare(project: Project, leaf: Leaf, channel: str, points: Ints) -> Row:
+def compare_points(project: Project, leaf: Leaf, channel: str, points: Ints) -> Row:
+    """One row of `compare_workflows`, for these points of a leaf."""
     state = project.state.scan(leaf.scan)
     row: Row = {"leaf": leaf.key, "name": leaf.name, "channel": channel, "points": len(points)}
     values = project.field(leaf.scan, channel, points)
@@ -191,9 +215,12 @@ def _compare(project: Project, leaf: Leaf, channel: str, points: Ints) -> Row:
 
 def _sum_up(workflow: str, values: Floats, marked: int) -> Row:
     known = values[np.isfinite(values)]
+    mean = float(known.mean()) if len(known) else None
+    sd = float(known.std(ddof=1)) if len(known) > 1 else None
     return {
-        f"{workflow}_mean": float(known.mean()) if len(known) else None,
-        f"{workflow}_sd": float(known.std(ddof=1)) if len(known) > 1 else None,
+        f"{workflow}_mean": mean,
+        f"{workflow}_sd": sd,
+        f"{workflow}_cv": sd / mean if sd is not None and mean else None,
         f"{workflow}_n": len(known),
         f"{workflow}_marked": marked,
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Channel, Scan
 from app.services.curves import fit_leaves
-from app.services.leaves import find_leaves, leaves_from_labels, measure_leaves
+from app.services.leaves import find_leaves, leaves_from_labels, measure_leaves, write_table
 from app.services.opening import add_scans, set_parameters
 
 KEY = "scan-00001"
@@ -109,3 +110,9 @@ def test_without_rows_and_columns_the_same_leaves_are_found(leaves: Scan) -> Non
     assert len(found[0]) == len(found[1]) >= 5
     for one, other in zip(*found, strict=True):
         assert len(np.setxor1d(one, other)) < 0.02 * len(one)
+
+
+def test_only_what_a_spreadsheet_would_run_gets_an_apostrophe(tmp_path: Path) -> None:
+    rows = [{"leaf": "=1+1", "treatment": "", "label": "a", "angle_deg": -30.0}]
+    write_table(rows, tmp_path / "leaves.csv")
+    assert (tmp_path / "leaves.csv").read_text().splitlines()[1] == "'=1+1,,a,-30.0"

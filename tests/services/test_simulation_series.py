@@ -129,3 +129,8 @@ def test_an_older_series_is_replaced_on_request(tmp_path: Path) -> None:
         simulate_series(STAGE, "seed=2,3", Targets(tmp_path))
     simulate_series(STAGE, "seed=2,3", Targets(tmp_path, overwrite=True))
     assert [row["value"] for row in read_table(tmp_path / "series.csv")] == ["2", "3"]
+
+
+def test_negative_values_stay_numbers_in_the_table(tmp_path: Path) -> None:
+    simulate_series(STAGE, "stage.angle_deg=-30:0:30", Targets(tmp_path))
+    assert [row["value"] for row in read_table(tmp_path / "series.csv")] == ["-30", "0"]

@@ -6,7 +6,7 @@ the axis and the corrections, and are found anew when somebody looks.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -15,14 +15,21 @@ from app.core.carry import USUAL, Tolerance
 from app.core.errors import BadInput, WrongUse
 from app.core.holder import FittedAxis
 from app.core.progress import QUIET, Progress
-from app.core.units import to_radians
+from app.core.units import to_degrees, to_mm, to_radians
 from app.model.operations import AddScan, PutSeries, SetDeleted, SetParameters
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.series import HolderAxis, Series, SeriesEntry
 from app.model.state import next_key
 from app.services.leaves import Row
-from app.services.series.axis import as_record, find_axis
+from app.services.series.axis import (
+    Sighting,
+    as_record,
+    choose_far_scan,
+    choose_scans,
+    choose_sense,
+    find_axis,
+)
 from app.services.series.carrying import Found, carry_leaves, keep_leaves, motion_of
 from app.services.series.entries import Entry
 from app.services.series.measuring import measure_found
@@ -40,6 +47,25 @@ def make_series(
     key = next_key(project.state.series, "series")
     project.do(PutSeries(key, Series(key, name, tuple(entries), reference, axis)))
     return key
+
+
+def change_series(
+    project: Project,
+    key: str,
+    name: str,
+    entries: Sequence[SeriesEntry],
+    reference: str,
+) -> None:
+    """Make another series of one, as one step; what was said of its leaves stays.
+
+    With another reference the leaves are others, and what was said of the old ones goes.
+    """
+    old = series_of(project, key)
+    stays = old.reference == reference
+    said = {one.scan: one.corrections for one in old.entries} if stays else {}
+    kept = tuple(replace(one, corrections=said.get(one.scan, ())) for one in entries)
+    changed = replace(old, name=name, entries=kept, reference=reference)
+    project.do(PutSeries(key, changed, "Change"))
 
 
 def series_of(project: Project, key: str) -> Series:
@@ -72,9 +98,13 @@ def read_leaves(project: Project, key: str, tolerance: Tolerance = USUAL) -> Ref
 
 
 def fit_series_axis(
-    project: Project, key: str, reference: Reference, tolerance: Tolerance = USUAL
+    project: Project,
+    key: str,
+    reference: Reference,
+    tolerance: Tolerance = USUAL,
+    progress: Progress = QUIET,
 ) -> FittedAxis:
-    """Fit the axis to all scans of a series and put it to use, as one step.
+    """Fit the axis to scans of a series and put it to use, as one step.
 
     Raises
     ------
@@ -82,19 +112,58 @@ def fit_series_axis(
         The angles are not known, or do not tell the axis.
     """
     series = series_of(project, key)
-    start = series.entry(series.reference).angle_deg
-    turned = [
-        (float(to_radians(entry.angle_deg - start)), entry.scan)
-        for entry in series.entries
-        if entry.angle_deg is not None and start is not None
-    ]
-    if len(turned) < 2:
+    angles = _turns(series)
+    if len(angles) - angles.count(None) < 2:
         raise BadInput("The angles of the holder are not known.", "Give them to the scans.")
-    ordered = sorted(turned, key=lambda pair: abs(pair[0]))
-    scans = ((angle, view_scan(project, scan)) for angle, scan in ordered)
-    fitted = find_axis(reference, scans, tolerance)
-    set_axis(project, key, as_record(fitted.axis, f"fit of {fitted.planes} planes"))
+    fitted = find_axis(reference, _sight(project, series, angles, progress), tolerance)
+    set_axis(project, key, as_record(fitted.axis, describe_fit(fitted)))
     return fitted
+
+
+def describe_fit(fitted: FittedAxis) -> str:
+    """How an axis was fitted, and how well the planes agree with it."""
+    tilt, offset = to_degrees(fitted.tilt_rms), to_mm(fitted.offset_rms)
+    return f"fit of {fitted.planes} planes, which differ by {tilt:.2g}° and {offset:.2g} mm"
+
+
+def turn_axis(
+    project: Project,
+    key: str,
+    axis: HolderAxis,
+    reference: Reference,
+    tolerance: Tolerance = USUAL,
+) -> HolderAxis:
+    """Put a typed or picked axis to use, the way round in which the leaves are found; one step."""
+    series = series_of(project, key)
+    angles = _turns(series)
+    number = choose_far_scan(angles)
+    if number is not None:
+        angle = angles[number] or 0.0
+        sighting = (angle, view_scan(project, series.entries[number].scan))
+        axis = choose_sense(axis, reference, sighting, tolerance)
+    set_axis(project, key, axis)
+    return axis
+
+
+def _turns(series: Series) -> list[float | None]:
+    """Radians by which the holder stands from the reference, by entry; None where unknown."""
+    start = series.entry(series.reference).angle_deg
+    return [
+        None if one.angle_deg is None or start is None else float(to_radians(one.angle_deg - start))
+        for one in series.entries
+    ]
+
+
+def _sight(
+    project: Project, series: Series, angles: Sequence[float | None], progress: Progress
+) -> Iterator[Sighting]:
+    chosen = choose_scans(angles)
+    for place, number in enumerate(chosen):
+        scan, angle = series.entries[number].scan, angles[number]
+        name = project.state.scan(scan).scan.name
+        progress.report(place / len(chosen), f"Following the leaves, {name}")
+        if angle is not None:
+            yield angle, view_scan(project, scan)
 
 
 def find_in_scan(

@@ -103,6 +103,26 @@ def read_names(files: Sequence[Path]) -> Understood:
     WrongUse
         Nothing changes, the names are not alike, or it is not clear which number is meant.
     """
+    roles, doubt, text, numbers = _compare(files)
+    entries = [
+        _entry(file, {role: row[k] for role, k in roles.items()})
+        for file, row in zip(files, numbers, strict=True)
+    ]
+    titles = [TITLES.get(role, role) for role in roles]
+    how = f"{', '.join(titles)} from names like {_shape(roles, text)}{doubt}"
+    return Understood(count_hours(entries), how)
+
+
+def guess_pattern(files: Sequence[Path]) -> str:
+    """The pattern by which `read_names` understands names, for `match_names`; raises as it does."""
+    roles, _, text, _ = _compare(files)
+    return _shape(roles, text)
+
+
+def _compare(
+    files: Sequence[Path],
+) -> tuple[dict[str, int], str, list[str], list[list[str]]]:
+    """Which of the numbers in the names is what, a doubt, the text between, all numbers."""
     stems = [file.stem for file in files]
     texts = [CHANGING.split(stem) for stem in stems]
     numbers = [CHANGING.findall(stem) for stem in stems]
@@ -115,12 +135,7 @@ def read_names(files: Sequence[Path]) -> Understood:
         )
     changing = [k for k in range(len(numbers[0])) if len({row[k] for row in numbers}) > 1]
     roles, doubt = _assign(changing, texts[0], numbers[0])
-    entries = [
-        _entry(file, {role: row[k] for role, k in roles.items()})
-        for file, row in zip(files, numbers, strict=True)
-    ]
-    how = _describe(roles, texts[0], len(numbers[0])) + doubt
-    return Understood(count_hours(entries), how)
+    return roles, doubt, texts[0], numbers
 
 
 def _assign(
@@ -166,8 +181,7 @@ def _unclear(changing: Sequence[int]) -> WrongUse:
     )
 
 
-def _describe(roles: dict[str, int], text: Sequence[str], count: int) -> str:
+def _shape(roles: dict[str, int], text: Sequence[str]) -> str:
     by_place = {k: "{" + role + "}" for role, k in roles.items()}
-    shape = "".join(f"{text[k]}{by_place.get(k, '*')}" for k in range(count)) + text[count]
-    titles = [TITLES.get(role, role) for role in roles]
-    return f"{', '.join(titles)} from names like {shape}"
+    gaps = [by_place.get(k, "*") for k in range(len(text) - 1)]
+    return "".join(f"{before}{gap}" for before, gap in zip(text, gaps, strict=False)) + text[-1]

@@ -165,8 +165,9 @@ def _choose_axis(run: _Run, progress: Progress) -> UsedAxis | None:
     order, known = run.order, run.reference.series
     if order.same_pose or (order.axis is None and not run.understood.turns):
         return None
-    if order.axis is None and known is not None and known.axis is not None:
-        return UsedAxis(known.axis)
+    if order.axis is None and known is not None and (known.axis is not None or not order.files):
+        # A series that the window measures in the same pose is not turned here.
+        return None if known.axis is None else UsedAxis(known.axis)
     angles = _angles(run)
     if order.axis not in (None, FIT):
         axis, number = parse_axis(str(order.axis)), choose_far_scan(angles)

@@ -15,11 +15,13 @@ from app.model.operations import PutLeaf
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.series import SeriesEntry
-from app.model.view_state import ViewState
+from app.model.view_state import Preview, ViewState
 from app.services.fit import fit_table
 from app.services.leaves import leaves_from_labels
 from app.services.opening import Opening, open_into
+from app.services.series.axis import as_record
 from app.services.series.document import (
+    change_series,
     correct_leaf,
     find_in_scan,
     fit_series_axis,
@@ -27,10 +29,11 @@ from app.services.series.document import (
     measure_series,
     read_leaves,
     set_axis,
+    turn_axis,
 )
 from app.services.series.order import SeriesOrder
 from app.services.series.tabulate import tabulate_series
-from app.services.sessions import save_session
+from app.services.sessions import open_session, save_session
 
 Rows = list[dict[str, str]]
 
@@ -160,7 +163,7 @@ def test_a_series_in_a_session(stage: Path, tmp_path: Path) -> None:
     project, key, scans = open_series(stage)
     reference = read_leaves(project, key)
     fit_series_axis(project, key, reference)
-    assert project.state.series[key].axis.origin == "fit of 3 planes"
+    assert project.state.series[key].axis.origin.startswith("fit of 3 planes, which")
     (found,) = find_in_scan(project, key, scans[2], reference)
     assert found.verdict == "sure"
     half = PointSet(found.rows[: len(found.rows) // 2])
@@ -177,6 +180,12 @@ def test_a_series_in_a_session(stage: Path, tmp_path: Path) -> None:
     assert headless.understood.how == "the series stage of the session"
     assert [row["points"] for row in headless.rows] == [row["points"] for row in rows]
     assert headless.rows[2]["intensity_785_mean"] == rows[2]["intensity_785_mean"]
+
+    view = ViewState(previewed=(Preview(scans[1], found.leaf.key, half),))
+    save_session(project, view, session)
+    opened, shown = open_session(session)
+    assert shown.previewed == ()  # what follows from others is kept in no file
+    assert opened.state.series == project.state.series
 
     project.undo()
     project.undo()
@@ -226,3 +235,38 @@ def test_without_a_scanner_nothing_is_carried(stage: Path, tmp_path: Path) -> No
     order = SeriesOrder((tmp_path,), str(tmp_path / "a_0.laz"), label_field="truth_leaf")
     with pytest.raises(MissingScanner, match="carrying leaves"):
         tabulate_series(order, tmp_path / "t.csv")
+
+
+def test_a_series_in_the_same_pose_is_not_turned_by_the_command(
+    stage: Path, tmp_path: Path
+) -> None:
+    project, key, _ = open_series(stage)
+    session = tmp_path / "s.leafscope"
+    save_session(project, ViewState(), session)
+    table = tabulate_series(SeriesOrder((), str(session)), tmp_path / "t.csv")
+    assert table.axis is None
+    here = measure_series(project, key)
+    assert [row["points"] for row in table.rows] == [row["points"] for row in here]
+
+
+def test_an_axis_is_turned_the_way_the_leaves_go(stage: Path) -> None:
+    project, key, _ = open_series(stage)
+    reference = read_leaves(project, key)
+    fitted = fit_series_axis(project, key, reference)
+    wrong = as_record(fitted.axis.reversed(), "typed")
+    used = turn_axis(project, key, wrong, reference)
+    assert used.origin == "typed, turned the other way round"
+    assert used.direction == pytest.approx(tuple(fitted.axis.direction))
+    assert project.state.series[key].axis == used
+
+
+def test_another_reference_forgets_what_was_said_of_the_old_leaves(stage: Path) -> None:
+    project, key, scans = open_series(stage)
+    correct_leaf(project, key, scans[1], "leaf-00001", PointSet())
+    old = project.state.series[key]
+    change_series(project, key, "other", old.entries[:2], scans[0])
+    kept = project.state.series[key]
+    assert (kept.name, len(kept.entries)) == ("other", 2)
+    assert kept.entry(scans[1]).corrected("leaf-00001") == PointSet()
+    change_series(project, key, "other", old.entries, scans[1])
+    assert project.state.series[key].entry(scans[1]).corrections == ()
