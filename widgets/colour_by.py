@@ -11,6 +11,7 @@ from widgets.controller import Controller
 from widgets.fields_at_hand import FieldAtHand, list_fields
 
 NAME = int(Qt.ItemDataRole.UserRole)
+WIDEST = 28  # heights of a line
 CONCERNS = {"scans", "channels", "pose", "leaves", "parameters"}
 
 
@@ -56,8 +57,11 @@ class ColourBy(QComboBox):
             unit = f" ({field.unit})" if field.unit else ""
             item = self._add(field.title, field.name, field.missing or f"{field.name}{unit}")
             item.setEnabled(not field.missing)
+        em = self.fontMetrics().height()
         longest = max((self.fontMetrics().horizontalAdvance(f.title) for f in fields), default=0)
-        self.view().setMinimumWidth(longest + 4 * self.fontMetrics().height())
+        # A formula in a title may be of any length.
+        self.view().setMinimumWidth(min(longest, WIDEST * em) + 4 * em)
+        self.view().setTextElideMode(Qt.TextElideMode.ElideMiddle)
 
     def _add(self, title: str, name: str, tip: str) -> QStandardItem:
         item = QStandardItem(title)

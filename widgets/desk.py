@@ -8,6 +8,7 @@ from widgets.controller import Controller
 from widgets.file_deeds import FileDeeds
 from widgets.picture import Picture
 from widgets.scan_deeds import ScanDeeds
+from widgets.series_deeds import SeriesDeeds
 from widgets.tools import Tools
 from widgets.view_deeds import ViewDeeds
 
@@ -22,6 +23,7 @@ class Desk:
     scans: ScanDeeds
     picture: Picture
     views: ViewDeeds
+    series: SeriesDeeds
 
     @property
     def has_scan(self) -> bool:

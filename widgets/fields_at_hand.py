@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.core.errors import MissingChannel
+from app.core.errors import LeafscopeError, MissingChannel
 from app.core.indices import NAMED, match_channels
 from app.core.radiometry.profile import ChannelCalibration
 from app.model.fields import FieldSpec
 from app.model.project import Project
 from app.model.radiometry_fields import MARK, SIGMA, source_of
+from app.model.smoothed_fields import SMOOTHED
 from app.model.state import ScanState
 from app.model.truth_fields import describe_truth
+from app.services.formulas import pick_channels
 
-JUDGED = ("incidence_from_intensity", "delta_omega", "ghost_score", "ghost", "leaf")
+JUDGED = ("incidence_from_intensity", "delta_omega", "residual", "ghost_score", "ghost", "leaf")
 GEOMETRY = (
     "range",
     "incidence",
@@ -26,7 +28,16 @@ GEOMETRY = (
 )
 OPTIONAL = "hit_fraction"
 """What reflectance does without where it cannot be had."""
-GROUPS = ("Channels", "Indices", "Geometry", "Leaves & ghosts", "Truth", "Other")
+GROUPS = (
+    "Channels",
+    "Corrected",
+    "Indices",
+    "Smoothed",
+    "Geometry",
+    "Leaves & ghosts",
+    "Truth",
+    "Other",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,17 +65,33 @@ def list_fields(project: Project, scan: str) -> list[FieldAtHand]:
 
 def group_of(spec: FieldSpec, state: ScanState) -> str:
     """The group that a field belongs to."""
+    made = _group_of_made(spec, state)
+    if made:
+        return made
     if any(channel.name == spec.name for channel in state.channels):
         return "Channels"
     if find_calibration(state, spec.name) is not None:
         return "Channels"
-    if spec.name in NAMED or any(f.name == spec.name for f in state.parameters.formulas):
-        return "Indices"
     if spec.name in GEOMETRY:
         return "Geometry"
     if spec.name in JUDGED:
         return "Leaves & ghosts"
     return "Truth" if describe_truth(spec.name) else "Other"
+
+
+def _group_of_made(spec: FieldSpec, state: ScanState) -> str:
+    """The group of what is made of channels; empty for others, and for what the file holds."""
+    if spec.stored:
+        return ""
+    if spec.name.endswith(SMOOTHED):
+        return "Smoothed"
+    corrected = {correction.name for correction in state.parameters.corrections}
+    if spec.name.removesuffix(SIGMA).removesuffix(MARK) in corrected:
+        return "Corrected"
+    own = (formula.name for formula in state.parameters.formulas)
+    endings = ("", *(f"_{workflow}" for workflow in state.workflows[1:]))
+    indices = (name + ending for name in (*NAMED, *own) for ending in endings)
+    return "Indices" if spec.name in indices else ""
 
 
 def why_not(project: Project, scan: str, field: str) -> str:
@@ -84,12 +111,23 @@ def why_not(project: Project, scan: str, field: str) -> str:
         return "The scanner's beam is unknown: give it under Scan ▸ Incidence angles."
     if "leaves" in spec.needs and not project.state.leaves_of(scan):
         return "There is no leaf yet: draw around one with the lasso."
-    if spec.name in NAMED:
-        try:
-            match_channels(NAMED[spec.name], state.wavelengths)
-        except MissingChannel as error:
-            return error.what
+    if not spec.inputs and not spec.stored:
+        return _why_no_index(project, scan, spec.name)
     return _why_not_inputs(project, scan, spec.inputs)
+
+
+def _why_no_index(project: Project, scan: str, name: str) -> str:
+    """Which channel a named index or one of the user's own lacks; empty for other fields."""
+    state = project.state.scan(scan)
+    own = {formula.name: formula.text for formula in state.parameters.formulas}
+    try:
+        if name in NAMED:
+            match_channels(NAMED[name], state.wavelengths)
+        elif name in own:
+            pick_channels(project, scan, own[name])
+    except LeafscopeError as error:
+        return error.what
+    return ""
 
 
 def why_no_reflectance(

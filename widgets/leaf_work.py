@@ -94,6 +94,16 @@ class LeafWork(QObject):
         else:
             self._select(scan, points, basis, combine)
 
+    def brush(self, scan: str, points: PointSet, basis: Selection, drag: str = "") -> None:
+        """Select what a brush in a plot covers; the steps of one drag are one step of undo.
+
+        Unlike a lasso, a brush over nothing selects nothing. Where the selection is the same
+        already, nothing is done.
+        """
+        state = self._controller.project.state.scans.get(scan)
+        if state is not None and not state.closed and state.selection != points:
+            self._controller.do(Select(scan, points, basis, drag))
+
     def _select(self, scan: str, points: PointSet, basis: Selection, combine: Combine) -> None:
         old = self._controller.project.state.scan(scan).selection
         if combine == "add":

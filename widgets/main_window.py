@@ -29,6 +29,7 @@ from widgets.menus import add_panels, build_menus
 from widgets.notices import Answer, Kind, NoticeArea
 from widgets.picture import Picture
 from widgets.scan_deeds import ScanDeeds
+from widgets.series_deeds import SeriesDeeds
 from widgets.status import Status
 from widgets.theme import ThemeSwitch
 from widgets.toolbar import MainBar
@@ -71,13 +72,15 @@ class MainWindow(QMainWindow):
 
     def _make_desk(self) -> Desk:
         controller, documents = self.controller, self.documents
+        files = FileDeeds(self, controller, documents, self.picture)
         return Desk(
             controller,
             self.tools,
-            FileDeeds(self, controller, documents, self.picture),
+            files,
             ScanDeeds(self, controller, documents, self.work, self.tools),
             self.picture,
             ViewDeeds(self, controller, self.theme, self.docks),
+            SeriesDeeds(self, controller, files.dialogs),
         )
 
     def _build(self) -> None:
@@ -149,9 +152,25 @@ class MainWindow(QMainWindow):
         panels["scans"].channel_asked.connect(self._ask_channel)  # type: ignore[attr-defined]
         calibration = panels["calibration"]
         calibration.dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
+        panels["phase_lab"].dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
         self.picture.picker.found.connect(calibration.show_point)  # type: ignore[attr-defined]
+        series = panels["series"]
+        self.desk.series.serve(series, self.docks)  # type: ignore[arg-type]
+        series.pick_asked.connect(partial(self.tools.arm, "pick"))  # type: ignore[attr-defined]
+        self.picture.picker.found.connect(series.take_point)  # type: ignore[attr-defined]
+        image = panels["scan_image"]
+        image.use_tools(self.tools)  # type: ignore[attr-defined]
+        image.point_picked.connect(self.picture.picker.take)  # type: ignore[attr-defined]
+        self.picture.picker.found.connect(image.show_point)  # type: ignore[attr-defined]
+        toggle = self.table.actions["view.scan_image"]
+        self.docks.docks["scan_image"].visibilityChanged.connect(toggle.refresh)
         chosen = panels["leaves"].chosen  # type: ignore[attr-defined]
         chosen.connect(panels["phase_lab"].choose_leaves)  # type: ignore[attr-defined]
+        for name in ("correct", "index"):
+            chosen.connect(panels[name].choose_leaves)  # type: ignore[attr-defined]
+            panels[name].dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
+        own_asked = panels["index"].own_asked  # type: ignore[attr-defined]
+        own_asked.connect(self.desk.scans.write_indices)
 
     def put_away(self) -> None:
         """Close the picture and end the worker, in this order; a second time does nothing."""

@@ -74,6 +74,10 @@ class Picker(QObject):
 
         self._controller.run(self.tr("Picking"), work, self._tell)
 
+    def take(self, scan: str, row: int) -> None:
+        """Take a point that is known: a click in the scan image."""
+        self._tell((scan, row))
+
     def _tell(self, found: Found) -> None:
         if found is None:
             self._controller.said.emit(self.tr("There is no point here."))

@@ -130,7 +130,10 @@ class Picture(QObject):
             return
         state, first = self._controller.view, bool(scene.clouds) and not self._shown
         there = {cloud.scan for cloud in scene.clouds}
-        joined, self._there = bool(there - self._there), there
+        joined = bool(there - self._there)
+        # A scan that was only hidden comes back to where the camera is.
+        kept = self._there & self._controller.project.state.scans.keys()
+        self._there = there | kept
         self._shown = bool(scene.clouds)
         if not self._shown:
             self._kept = None  # what comes next brings a camera of its own

@@ -97,6 +97,13 @@ class ScanDeeds(QObject):
         dialog.chosen.connect(partial(self._documents.open, [path]))
         dialog.open()
 
+    def write_indices(self) -> None:
+        """Ask for indices of the user's own."""
+        from widgets.dialogs.formulas import FormulasDialog
+
+        if self._controller.current is not None:
+            FormulasDialog(self._controller, self._window).open()
+
     def name_channel(self, channel: str = "") -> None:
         """Ask which attribute is an intensity, at which wavelength; `channel` comes first."""
         if self._controller.current is not None:

@@ -67,6 +67,9 @@ QTabBar { qproperty-drawBase: 0; }
 QTabBar::tab { background: transparent; color: @faint; border: none; padding: 0.4em 0.8em;
                border-bottom: 0.16em solid transparent; }
 QTabBar::tab:selected { color: @text; border-bottom-color: @accent; }
+QTabBar::tab:right { padding: 0.8em 0.4em; border-bottom: none;
+                     border-left: 0.16em solid transparent; }
+QTabBar::tab:right:selected { border-left-color: @accent; }
 QTabBar::tab:hover:!selected { color: @text; background: @hover; }
 QHeaderView::section { background: @window; color: @faint; border: none;
                        border-bottom: 1px solid @line; padding: 0.3em 0.5em; }
@@ -81,6 +84,7 @@ QStatusBar { background: @window; border-top: 1px solid @line; }
 QStatusBar::item { border: none; }
 QToolTip { background: @raised; color: @text; border: 1px solid @border; padding: 0.3em; }
 QLabel[faint="true"] { color: @faint; }
+QLabel[fault="true"] { color: @fault; }
 QLabel[heading="true"] { font-size: 20pt; font-weight: 300; }
 
 QFrame[notice="info"] { background: @notice; border: none; border-bottom: 1px solid @line; }

@@ -41,19 +41,20 @@ class Colours:
     notice: str
     warning: str
     error: str
+    fault: str
 
 
 LIGHT = Colours(
     window="#f3f5f6", base="#ffffff", raised="#fbfcfc", hover="#e6eaec", line="#d6dbdf",
     border="#858f99", text="#1c2227", faint="#56606a", disabled="#949da6", accent="#22714a",
     on_accent="#ffffff", soft="#d8ebe0", link="#1a6a9c", notice="#e3eff8", warning="#fdf0d2",
-    error="#fbe3e0",
+    error="#fbe3e0", fault="#a8261b",
 )  # fmt: skip
 DARK = Colours(
     window="#22272d", base="#191d22", raised="#2a3037", hover="#353c45", line="#3a424b",
     border="#77838f", text="#e7ebee", faint="#a8b2bc", disabled="#69737d", accent="#6cc494",
     on_accent="#0e1a14", soft="#24463a", link="#7cc0ea", notice="#20394c", warning="#47391a",
-    error="#4f2a28",
+    error="#4f2a28", fault="#ff9c8f",
 )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.selection import LassoMode
 from widgets.leaf_work import Purpose
 
-ToolName = Literal["navigate", "lasso", "pick"]
+ToolName = Literal["navigate", "lasso", "rectangle", "pick"]
 
 
 class Tools(QObject):
@@ -34,9 +34,9 @@ class Tools(QObject):
         self.changed.emit()
 
     def use_lasso_to(self, purpose: Purpose) -> None:
-        """Choose what a lasso does, and take the lasso into the hand."""
+        """Choose what lasso and rectangle do, and take one into the hand."""
         self.purpose = purpose
-        self.arm("lasso")
+        self.arm("rectangle" if self.tool == "rectangle" else "lasso")
 
     def reach(self, mode: LassoMode) -> None:
         """Choose whether a lasso also takes what is hidden."""

@@ -51,6 +51,17 @@ class ViewDeeds(QObject):
         """Bring a panel to the front."""
         self._docks.raise_panel(name)
 
+    def is_shown(self, name: str) -> bool:
+        """Whether a panel is open, be it behind another."""
+        return not self._docks.docks[name].isHidden()
+
+    def set_shown(self, name: str, shown: bool) -> None:
+        """Open a panel and bring it to the front, or close it."""
+        if shown:
+            self._docks.raise_panel(name)
+        else:
+            self._docks.docks[name].hide()
+
     def remember_layout(self) -> None:
         """Take the docks as they are for the layout to come back to."""
         self._layout = self._window.saveState()

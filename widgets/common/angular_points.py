@@ -6,21 +6,49 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Floats, Ints
-from app.core.progress import QUIET, Progress
-from app.model.project import Project
-from app.services.curves import BIN, STEEPEST, angles_and_values
+from app.core.arrays import AnyArray, Bools, Floats, Ints
+from app.services.lab.bins import AngleBins, average
+from app.services.lab.gather import Measured
 
 ANGLE_CELLS, VALUE_CELLS = 180, 120
+WIDEST = 90.0
+STEP = 5.0
+NONE, NO_ROWS = np.empty(0), np.empty(0, np.int64)
+NOTHING = Measured(NONE, NONE, NO_ROWS, NO_ROWS)
+NO_MEANS = AngleBins(NONE, NONE, NONE, NONE, NO_ROWS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Means:
-    """Mean and standard deviation per 5° step up to 80°; empty steps are left out."""
+class Cells:
+    """Small rectangles of angle and value, (rows, columns) of them, in which points are counted.
 
-    angle: Floats
-    value: Floats
-    sd: Floats
+    Angles reach from 0° to 90°, values from `low` to `high`.
+    """
+
+    low: float
+    high: float
+
+    @property
+    def angles(self) -> Floats:
+        """Edges of the columns, degrees."""
+        return np.linspace(0.0, WIDEST, ANGLE_CELLS + 1)
+
+    @property
+    def values(self) -> Floats:
+        """Edges of the rows."""
+        return np.linspace(self.low, self.high, VALUE_CELLS + 1)
+
+    def count(self, angle: Floats, value: Floats) -> AnyArray:
+        """How many points fall into each cell; those beyond the borders into none."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            row = (value - self.low) * (VALUE_CELLS / (self.high - self.low))
+            column = angle * (ANGLE_CELLS / WIDEST)
+        # The upper borders belong to the last cells.
+        inside = (row >= 0) & (row <= VALUE_CELLS) & (column >= 0) & (column <= ANGLE_CELLS)
+        rows = np.minimum(row[inside].astype(np.int64), VALUE_CELLS - 1)
+        columns = np.minimum(column[inside].astype(np.int64), ANGLE_CELLS - 1)
+        found = np.bincount(rows * ANGLE_CELLS + columns, minlength=VALUE_CELLS * ANGLE_CELLS)
+        return found.reshape(VALUE_CELLS, ANGLE_CELLS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,80 +57,82 @@ class AngularPoints:
 
     Attributes
     ----------
-    count : int
-        Points with both an angle and an intensity.
-    reach : (float, float)
-        Smallest and largest angle, degrees; NaN without points.
+    measured : Measured
+        The points that have both.
     bottom, top : float
         Intensities that all but 0.2 % of the points lie between: the height of the plot. Zero
         is part of it unless all are negative (dB).
-    dots : (angles in degrees, values) or None
-        The points themselves, when they are few.
-    density : (counts, angle edges, value edges) or None
-        Their density, when they are many.
-    means : Means
+    density : (rows, columns) counts in `cells`, or None
+        Where the points are too many to draw.
+    cells : Cells
+    means : AngleBins
+        Means per step of the angle, as a fit to means sees them.
+    reach : (float, float)
+        Smallest and largest angle, degrees; NaN without points.
     """
 
-    count: int
-    reach: tuple[float, float]
-    bottom: float
-    top: float
-    dots: tuple[Floats, Floats] | None
-    density: tuple[AnyArray, Floats, Floats] | None
-    means: Means
+    measured: Measured = NOTHING
+    bottom: float = 0.0
+    top: float = 1.0
+    density: AnyArray | None = None
+    cells: Cells = Cells(0.0, 1.0)
+    means: AngleBins = NO_MEANS
+    reach: tuple[float, float] = (np.nan, np.nan)
+
+    @property
+    def angle(self) -> Floats:
+        """Angles, degrees."""
+        return self.measured.angle
+
+    @property
+    def value(self) -> Floats:
+        """Intensities."""
+        return self.measured.value
+
+    @property
+    def count(self) -> int:
+        """Points with both an angle and an intensity."""
+        return len(self.measured)
+
+    @property
+    def dots(self) -> tuple[Floats, Floats] | None:
+        """The points themselves, when they are few enough to draw."""
+        return (self.angle, self.value) if self.count and self.density is None else None
 
 
-def gather_points(
-    project: Project,
-    scan: str,
-    points: Ints | None,
-    channel: str,
-    most_dots: int,
-    progress: Progress = QUIET,
-) -> AngularPoints:
-    """Read angle and intensity of points (None: all living ones) and reduce them."""
-    angle, value = angles_and_values(project, scan, points, channel, progress)
-    return reduce_points(angle, value, most_dots)
+NO_POINTS = AngularPoints()
 
 
-def reduce_points(angle: Floats, value: Floats, most_dots: int) -> AngularPoints:
-    """Keep up to `most_dots` points as they are, turn more of them into a density."""
-    if len(angle) == 0:
-        none = np.empty(0)
-        return AngularPoints(0, (np.nan, np.nan), 0.0, 1.0, None, None, Means(none, none, none))
+def reduce_points(measured: Measured, most_dots: int, width: float = STEP) -> AngularPoints:
+    """Make points ready to draw: up to `most_dots` as they are, more of them as a density.
+
+    Parameters
+    ----------
+    measured : Measured
+    most_dots : int
+    width : float
+        Of the steps of the means, degrees.
+    """
+    if len(measured) == 0:
+        return NO_POINTS
+    angle, value = measured.angle, measured.value
     low, top = (float(q) for q in np.quantile(value, (0.001, 0.999)))
     bottom = min(low, 0.0) if top > 0.0 else low
-    few = len(angle) <= most_dots
+    cells = Cells(bottom, top + 0.05 * (top - bottom) if top > bottom else bottom + 1.0)
     return AngularPoints(
-        count=len(angle),
-        reach=(float(angle.min()), float(angle.max())),
+        measured=measured,
         bottom=bottom,
         top=top,
-        dots=(angle, value) if few else None,
-        density=None if few else _count(angle, value, bottom, top),
-        means=describe_steps(angle, value),
+        density=None if len(angle) <= most_dots else cells.count(angle, value),
+        cells=cells,
+        means=average(angle, value, width),
+        reach=(float(angle.min()), float(angle.max())),
     )
 
 
-def _count(angle: Floats, value: Floats, low: float, top: float) -> tuple[AnyArray, Floats, Floats]:
-    high = top + 0.05 * (top - low) if top > low else low + 1.0
-    counts, values, angles = np.histogram2d(
-        value, angle, (VALUE_CELLS, ANGLE_CELLS), ((low, high), (0.0, 90.0))
-    )
-    return counts, angles, values
-
-
-def describe_steps(angle: Floats, value: Floats, width: float = BIN) -> Means:
-    """Mean and standard deviation per step of `width` degrees up to 80°."""
-    inside = angle < STEEPEST
-    step = (angle[inside] // width).astype(np.int64)
-    count = np.bincount(step)
-    filled = count > 0
-    number = count[filled]
-    mean_angle = np.bincount(step, angle[inside])[filled] / number
-    mean = np.bincount(step, value[inside])[filled] / number
-    # About the mean, not by the difference of squares, which loses digits.
-    place = np.cumsum(filled) - 1
-    square = np.bincount(step, (value[inside] - mean[place[step]]) ** 2)[filled]
-    sd = np.sqrt(square / np.maximum(number - 1, 1))
-    return Means(mean_angle, mean, sd)
+def find_lit(points: AngularPoints, selected: Ints, size: int) -> Bools:
+    """Which of the points are among the rows `selected` of a scan of `size` points."""
+    mask = np.zeros(size, bool)
+    mask[selected] = True
+    lit: Bools = mask[points.measured.point]
+    return lit

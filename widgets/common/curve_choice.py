@@ -1,4 +1,4 @@
-"""Three choices: which points, which channel, which model."""
+"""What the phase lab works on: points, channels, model, and how it is fitted."""
 
 from __future__ import annotations
 
@@ -7,13 +7,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QComboBox, QFormLayout, QSizePolicy, QWidget
+from PySide6.QtWidgets import QComboBox, QFormLayout, QLabel, QSizePolicy, QWidget
 
-from app.core.phase import MODELS
+from app.core.fitting.single import AnyModel
+from app.model.fit_method import Method
 from app.model.scan import Channel
-from app.services.curves import DEFAULT_MODEL
+from widgets.common.lab.channel_list import ChannelList
+from widgets.common.lab.method_choice import MethodChoice
+from widgets.common.lab.model_choice import ModelChoice
 
-What = Literal["leaf", "chosen", "scan"]
+USUAL = Method()
+What = Literal["leaf", "chosen", "each", "scan"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +28,11 @@ class Target:
     leaves: tuple[str, ...]
     channel: str
     model: str
+    method: Method = USUAL
 
 
 class CurveChoice(QWidget):
-    """Which points, channel and model the phase lab works with.
+    """Which points, channels and model the phase lab works with, and how it fits.
 
     Signals
     -------
@@ -39,27 +44,21 @@ class CurveChoice(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.points_box, self.channel_box, self.model_box = (QComboBox(self) for _ in range(3))
-        for title, data in (
-            (self.tr("Current leaf"), "leaf"),
-            (self.tr("Selected leaves"), "chosen"),
-            (self.tr("Whole scan, means per 5°"), "scan"),
-        ):
-            self.points_box.addItem(title, data)
-        for model in MODELS.values():
-            self.model_box.addItem(model.title, model.name)
-        self.show_model(DEFAULT_MODEL)
-        layout = QFormLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        for title, box in (
-            (self.tr("&Points"), self.points_box),
-            (self.tr("&Channel"), self.channel_box),
-            (self.tr("&Model"), self.model_box),
-        ):
-            box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-            box.setAccessibleName(title.replace("&", ""))
-            box.activated.connect(self._on_choice)
-            layout.addRow(title, box)
+        self.points_box = QComboBox(self)
+        self.channel_list = ChannelList(self)
+        self.models = ModelChoice(self)
+        self.how = MethodChoice(self)
+        self._fill_points()
+        self._lay_out()
+        self.points_box.activated.connect(self._on_points)
+        self.channel_list.changed.connect(self.changed)
+        self.models.changed.connect(self.changed)
+        self.how.changed.connect(self.changed)
+
+    @property
+    def model_box(self) -> QComboBox:
+        """The list of models."""
+        return self.models.box
 
     @property
     def what(self) -> What:
@@ -69,41 +68,63 @@ class CurveChoice(QWidget):
 
     @property
     def channel(self) -> str:
-        """Name of the channel; empty without one."""
-        return str(self.channel_box.currentData() or "")
+        """Name of the channel at work; empty without one."""
+        return self.channel_list.channel
 
     @property
-    def model(self) -> str:
-        """Name of the model."""
-        return str(self.model_box.currentData())
+    def channels(self) -> tuple[str, ...]:
+        """The channel at work, then those that are ticked."""
+        return self.channel_list.channels
+
+    @property
+    def model(self) -> AnyModel:
+        """The model."""
+        return self.models.model
+
+    @property
+    def method(self) -> Method:
+        """How it is fitted."""
+        return self.how.method
 
     def fill_channels(self, channels: Iterable[Channel], chosen: str) -> None:
-        """Offer channels; keep the one that was chosen if it is still among them."""
-        offered = {channel.name: _title(channel) for channel in channels}
-        box = self.channel_box
-        if {box.itemData(i): box.itemText(i) for i in range(box.count())} == offered:
-            return
-        kept = self.channel if self.channel in offered else chosen
-        box.clear()
-        for name, title in offered.items():
-            box.addItem(title, name)
-        box.setCurrentIndex(box.findData(kept))
+        """Offer channels; keep those that were chosen if they are still among them."""
+        self.channel_list.offer(channels, chosen)
 
     def show_channel(self, name: str) -> None:
         """Show a channel without a signal."""
-        if self.channel_box.findData(name) >= 0:
-            self.channel_box.setCurrentIndex(self.channel_box.findData(name))
+        if name != self.channel:
+            self.channel_list.choose(name)
 
-    def show_model(self, name: str) -> None:
-        """Show a model without a signal."""
-        self.model_box.setCurrentIndex(self.model_box.findData(name))
+    def _fill_points(self) -> None:
+        for title, data, tip in (
+            (self.tr("Current leaf"), "leaf", self.tr("The leaf that all panels work on")),
+            (self.tr("Selected leaves"), "chosen",
+             self.tr("The leaves selected in the Leaves panel, their points taken together")),
+            (self.tr("Each selected leaf"), "each",
+             self.tr("The leaves selected in the Leaves panel, a curve for each")),
+            (self.tr("Whole scan"), "scan",
+             self.tr("All points of the scan; fitted on means per step of the angle")),
+        ):  # fmt: skip
+            self.points_box.addItem(title, data)
+            self.points_box.setItemData(self.points_box.count() - 1, tip, 3)
+        self.points_box.setAccessibleName(self.tr("Points"))
+        self.points_box.setToolTip(self.tr("Whose points are drawn and fitted"))
 
-    def _on_choice(self, _: int) -> None:
+    def _lay_out(self) -> None:
+        layout = QFormLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        self.points_box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        for title, widget, buddy in (
+            (self.tr("&Points"), self.points_box, self.points_box),
+            (self.tr("&Channels"), self.channel_list, self.channel_list),
+            (self.tr("&Model"), self.models, self.models.box),
+            (self.tr("Fitted &to"), self.how, self.how.box),
+        ):
+            label = QLabel(title, self)
+            label.setBuddy(buddy)
+            layout.addRow(label, widget)
+
+    def _on_points(self, _: int) -> None:
         # `activated` comes from the user only, so showing something tells nobody.
+        self.how.suit(self.what == "scan")
         self.changed.emit()
-
-
-def _title(channel: Channel) -> str:
-    if channel.wavelength_nm is None:
-        return channel.name
-    return f"{channel.name} ({channel.wavelength_nm:g} nm)"

@@ -1,24 +1,23 @@
-"""A curve with its points, its parameters as sliders, and what there is to say about it."""
+"""A curve: its parameters as sliders, and what there is to say about it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 
-import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from app.core.fitting import FitResult
-from app.core.phase import PhaseModel
+from app.core.phase import MODELS
+from app.core.phase.angular import AngularModel
 from widgets.common.angular_plot import AngularPlot
-from widgets.common.angular_points import AngularPoints, reduce_points
+from widgets.common.angular_points import NO_POINTS, AngularPoints
+from widgets.common.lab.plots_view import PlotsView
+from widgets.common.lab.series import Shape
 from widgets.common.numbers import show_count, show_number
 from widgets.common.parameter_rows import ParameterRows
-from widgets.common.plots import MOST_DOTS
-
-NO_POINTS = reduce_points(np.empty(0), np.empty(0), MOST_DOTS)
 
 
 class CurveEditor(QWidget):
@@ -33,74 +32,105 @@ class CurveEditor(QWidget):
     moved = Signal()
     released = Signal()
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, plots: PlotsView, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.plot = AngularPlot(self.tr("Intensity against incidence angle"), self)
+        self._plots = plots
         self.rows = ParameterRows(self)
         self.formula = _make_label(self, quiet=True)
         self.facts = _make_label(self)
+        self.stale = _make_label(self)
         self.warnings = _make_label(self)
         self.points = NO_POINTS
         self.result: FitResult | None = None
-        self._model: PhaseModel | None = None
+        self._method = ""
+        self._model: AngularModel | None = None
         self._wanted: Mapping[str, float] | None = None
-        self._rows_for: tuple[str, float] | None = None
+        self._rows_for: tuple[AngularModel, float] | None = None
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.plot, 1)
-        for widget in (self.formula, self.rows, self.facts, self.warnings):
+        for widget in (self.stale, self.rows, self.facts, self.warnings, self.formula):
             layout.addWidget(widget)
+        layout.addStretch(1)
+        self.stale.hide()
         self.rows.moved.connect(self._on_moved)
         self.rows.released.connect(self._on_released)
+
+    @property
+    def plot(self) -> AngularPlot:
+        """The plot in which the curve is drawn."""
+        return self._plots.plot
 
     @property
     def values(self) -> dict[str, float]:
         """Values of the curve that is shown."""
         return self.rows.values
 
-    def show_points(self, points: AngularPoints, title: str) -> None:
-        """Show points; `title` names their values with the unit."""
+    @property
+    def shape(self) -> Shape | None:
+        """The curve that is shown."""
+        if self._model is None:
+            return None
+        scatter = None if self.result is None else self.result.rmse
+        return Shape(self._model, self.values, scatter)
+
+    def show_points(self, points: AngularPoints) -> None:
+        """Take over the points that the curve belongs to."""
         self.points = points
-        self.plot.title_axis("left", title)
-        self.restyle()
         self._show_rows()
         self._tell()
 
     def show_curve(
-        self, model: PhaseModel, values: Mapping[str, float] | None, result: FitResult | None
+        self,
+        model: AngularModel,
+        values: Mapping[str, float] | None,
+        result: FitResult | None,
+        method: str = "",
     ) -> None:
-        """Show a curve with the fit that it comes from; no values: one to start from."""
-        self._model, self._wanted, self.result = model, values, result
-        self.formula.setText(model.formula)
+        """Show a curve with the fit that it comes from; no values: one to start from.
+
+        Parameters
+        ----------
+        model : AngularModel
+        values : mapping of str to float or None
+        result : FitResult or None
+        method : str
+            To what it was fitted, in words.
+        """
+        self._model, self._wanted, self.result, self._method = model, values, result, method
+        own = "" if model.name in MODELS else "I(ω) = "
+        self.formula.setText(f"{own}{model.formula}")
         self.formula.setToolTip(model.source)
-        self._show_rows()
+        self._show_rows(flying=result is not None)
         self._tell()
 
-    def restyle(self) -> None:
-        """Draw in the colours of the palette."""
-        self.plot.show_points(self.points)
-        self._draw()
+    def say_stale(self, sentence: str) -> None:
+        """Say that the fit belongs to other points than those shown; nothing when it does not."""
+        self.stale.setText(f"⚠ {sentence}" if sentence else "")
+        self.stale.setVisible(bool(sentence))
 
-    def _show_rows(self) -> None:
+    def _show_rows(self, flying: bool = False) -> None:
         if self._model is None:
             return
         size = max(abs(self.points.top), abs(self.points.bottom), 1e-12)
-        if self._rows_for != (self._model.name, size):
+        if self._rows_for != (self._model, size):
             self.rows.show_model(self._model, size)
-            self._rows_for = (self._model.name, size)
-        values = self._wanted or start_values(self._model, size)
-        self.rows.show_values(values, self.result.parameters if self.result else None)
-        self._draw()
-
-    def _draw(self) -> None:
-        if self._model is not None:
-            scatter = None if self.result is None else self.result.rmse
-            self.plot.show_curve(self._model, self.values, self.points.reach, scatter)
+            self._rows_for = (self._model, size)
+        values = self._wanted or self._model.start_values(size)
+        result = self.result
+        self.rows.show_values(
+            values,
+            None if result is None else result.parameters,
+            () if result is None else result.warnings,
+            flying,
+        )
+        self._plots.move_curve(self.shape)
 
     def _on_moved(self, values: dict[str, float]) -> None:
-        self.result, self._wanted = None, values
-        self._draw()
-        self._tell()
+        fitted, self.result, self._wanted = self.result, None, values
+        self._plots.move_curve(self.shape)
+        if fitted is not None:  # the words change once, then only the curve moves
+            self._tell()
+            self.say_stale("")
         self.moved.emit()
 
     def _on_released(self, _: object) -> None:
@@ -126,8 +156,9 @@ class CurveEditor(QWidget):
             return self.tr("This curve was not fitted; the sliders move it.")
         low, high = (math.degrees(angle) for angle in result.angle_range)
         return self.tr(
-            "Fitted to {n} values at {low}° to {high}°: rss {rss}, RMSE {rmse}, R² {r2}"
+            "Fitted to {method}: {n} values at {low}° to {high}°, RMSE {rmse}, R² {r2}, rss {rss}"
         ).format(
+            method=self._method or self.tr("points"),
             n=show_count(result.n),
             low=show_number(low, 1),
             high=show_number(high, 1),
@@ -137,17 +168,10 @@ class CurveEditor(QWidget):
         )
 
 
-def start_values(model: PhaseModel, size: float) -> dict[str, float]:
-    """A usual curve for data of this size, to start from."""
-    return {
-        p.name: (p.typical[0] + p.typical[1]) / 2 * (size if p.scales else 1.0)
-        for p in model.parameters
-    }
-
-
 def _make_label(parent: QWidget, quiet: bool = False) -> QLabel:
     label = QLabel(parent)
     label.setWordWrap(True)
+    label.setTextFormat(Qt.TextFormat.PlainText)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     if quiet:
         label.setForegroundRole(QPalette.ColorRole.PlaceholderText)

@@ -26,11 +26,9 @@ class FactTable(QTableWidget):
         parent: QWidget | None = None,
         sides: Sequence[Qt.AlignmentFlag] = SIDES,
     ) -> None:
-        super().__init__(0, len(titles), parent)
-        self._sides = sides
+        super().__init__(0, 0, parent)
+        self.title_columns(titles, sides)
         self.setAccessibleName(name)
-        for column, title in enumerate(titles):
-            self.setHorizontalHeaderItem(column, self._make_item(title, column))
         self.verticalHeader().hide()
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
@@ -40,6 +38,13 @@ class FactTable(QTableWidget):
         header.setHighlightSections(False)
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+
+    def title_columns(self, titles: Sequence[str], sides: Sequence[Qt.AlignmentFlag]) -> None:
+        """Take other columns, each with the side to which its texts go."""
+        self._sides = sides
+        self.setColumnCount(len(titles))
+        for column, title in enumerate(titles):
+            self.setHorizontalHeaderItem(column, self._make_item(title, column))
 
     def explain_columns(self, *tips: str) -> None:
         """Give the titles tool tips, from the left."""

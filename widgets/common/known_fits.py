@@ -13,13 +13,16 @@ from widgets.common.curve_choice import Target
 
 
 def find_newest(state: State, target: Target) -> FitRecord | None:
-    """The newest fit of a target; None when it was never fitted."""
+    """The newest fit of a target, by its method if there is one; None when it was never fitted."""
+    wanted = (target.scan, target.leaves, target.channel, target.model)
     found = [
         record
         for record in state.fits.values()
-        if Target(record.scan, record.leaves, record.channel, record.model) == target
+        if (record.scan, record.leaves, record.channel, record.model) == wanted
     ]
-    return found[-1] if found else None
+    same = [record for record in found if record.method_used == target.method]
+    best = same or found
+    return best[-1] if best else None
 
 
 def find_source(state: State, scan: str, curve: Curve) -> FitResult | None:

@@ -1,19 +1,21 @@
-"""One row per parameter of an angular model: name, slider, number, error, bounds."""
+"""Two lines per parameter of an angular model: name, slider, number; below error and bounds."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from PySide6.QtCore import QObject, QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QEasingCurve, QObject, QSignalBlocker, Qt, QVariantAnimation, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QSlider, QWidget
 
 from app.core.fitting import Estimate
-from app.core.phase import Parameter, PhaseModel
+from app.core.phase import Parameter
+from app.core.phase.angular import AngularModel
 from widgets.common.numbers import NumberField, count_decimals, show_number
 
 STEPS = 1000
+FLIGHT = 160  # milliseconds that the sliders take to the result of a fit
 UNITS = {"deg": "°"}
 
 
@@ -48,29 +50,58 @@ class ParameterRow(QObject):
         self.title.setBuddy(self.field)
         self.error = QLabel(parent)
         self.bounds = QLabel(show_bounds(parameter), parent)
-        self.bounds.setForegroundRole(QPalette.ColorRole.PlaceholderText)
-        for widget in (self.title, self.slider, self.field):
-            widget.setToolTip(f"{parameter.name}: {parameter.meaning}")
-        self.slider.setAccessibleName(parameter.meaning)
-        self.field.setAccessibleName(f"{parameter.name}, {parameter.meaning}")
+        self._flight = QVariantAnimation(self)
+        self._flight.setDuration(FLIGHT)
+        self._flight.setEasingCurve(QEasingCurve.Type.OutCubic)
+        self._flight.valueChanged.connect(self._fly_on)
+        self._explain()
         self.slider.valueChanged.connect(self._on_slider)
         self.slider.sliderReleased.connect(self.released)
         self.field.valueChanged.connect(self._on_field)
+
+    def _explain(self) -> None:
+        parameter = self.parameter
+        for label in (self.error, self.bounds):
+            label.setForegroundRole(QPalette.ColorRole.PlaceholderText)
+        # As wide as there is room, so that no sentence widens the panel.
+        self.error.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.bounds.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.bounds.setToolTip(self.tr("A fit stays within these bounds"))
+        meaning = parameter.meaning or parameter.name
+        reach = self.tr("slider from {low} to {high}").format(
+            low=f"{self.low:.4g}", high=f"{self.high:.4g}"
+        )
+        for widget in (self.title, self.slider, self.field):
+            widget.setToolTip(f"{parameter.name}: {meaning} ({reach})")
+        self.slider.setAccessibleName(meaning)
+        self.field.setAccessibleName(f"{parameter.name}, {meaning}")
 
     @property
     def value(self) -> float:
         """The value shown."""
         return self.field.value()
 
-    def show_value(self, value: float) -> None:
-        """Show a value without a signal; NaN rests in the middle."""
+    def show_value(self, value: float, flying: bool = False) -> None:
+        """Show a value without a signal; NaN rests in the middle. The slider may fly there."""
         known = value if math.isfinite(value) else (self.low + self.high) / 2
         share = (known - self.low) / (self.high - self.low)
-        with QSignalBlocker(self.slider), QSignalBlocker(self.field):
+        place = round(min(max(share, 0.0), 1.0) * STEPS)
+        self._flight.stop()
+        with QSignalBlocker(self.field):
             self.field.setValue(known)
-            self.slider.setValue(round(min(max(share, 0.0), 1.0) * STEPS))
+        if flying and self.slider.isVisible():
+            self._flight.setStartValue(self.slider.value())
+            self._flight.setEndValue(place)
+            self._flight.start()
+        else:
+            self._fly_on(place)
+
+    def _fly_on(self, place: int) -> None:
+        with QSignalBlocker(self.slider):
+            self.slider.setValue(int(place))
 
     def _on_slider(self, position: int) -> None:
+        self._flight.stop()
         with QSignalBlocker(self.field):
             self.field.setValue(self.low + (self.high - self.low) * position / STEPS)
         self.moved.emit(self.parameter.name)
@@ -108,8 +139,9 @@ class ParameterRows(QWidget):
         self._grid = QGridLayout(self)
         self._grid.setContentsMargins(0, 0, 0, 0)
         self._grid.setColumnStretch(1, 1)
+        self._grid.setVerticalSpacing(0)
 
-    def show_model(self, model: PhaseModel, size: float) -> None:
+    def show_model(self, model: AngularModel, size: float) -> None:
         """Make the rows of a model for data of this size (their largest value)."""
         self._clear()
         for line, parameter in enumerate(model.parameters):
@@ -118,10 +150,10 @@ class ParameterRows(QWidget):
             row.released.connect(self._on_released)
             row.slider.sliderPressed.connect(self.grabbed)
             row.slider.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-            for column, widget in enumerate(
-                (row.title, row.slider, row.field, row.error, row.bounds)
-            ):
-                self._grid.addWidget(widget, line, column)
+            for column, widget in enumerate((row.title, row.slider, row.field)):
+                self._grid.addWidget(widget, 2 * line, column)
+            self._grid.addWidget(row.error, 2 * line + 1, 1)
+            self._grid.addWidget(row.bounds, 2 * line + 1, 2)
             self.rows[parameter.name] = row
 
     @property
@@ -130,19 +162,37 @@ class ParameterRows(QWidget):
         return dict(self._values)
 
     def show_values(
-        self, values: Mapping[str, float], estimates: Mapping[str, Estimate] | None = None
+        self,
+        values: Mapping[str, float],
+        estimates: Mapping[str, Estimate] | None = None,
+        sentences: Sequence[str] = (),
+        flying: bool = False,
     ) -> None:
-        """Show values without a signal, with the errors of a fit where there is one."""
+        """Show values without a signal, with the errors of a fit where there is one.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+        estimates : mapping of str to Estimate, optional
+        sentences : sequence of str
+            Warnings of the fit: those that begin with a parameter's name are its own.
+        flying : bool
+            The sliders may fly there.
+        """
         self._values = {name: values.get(name, math.nan) for name in self.rows}
         for name, row in self.rows.items():
-            row.show_value(self._values[name])
-            row.error.setText(self._describe(row, (estimates or {}).get(name)))
+            row.show_value(self._values[name], flying)
+            row.error.setText(self._describe((estimates or {}).get(name)))
+            own = [sentence for sentence in sentences if sentence.startswith(f"{name} ")]
+            row.error.setToolTip("\n".join(own))
 
-    def _describe(self, row: ParameterRow, estimate: Estimate | None) -> str:
+    def _describe(self, estimate: Estimate | None) -> str:
         if estimate is None:
             return ""
+        if estimate.fixed:
+            return self.tr("held fixed")
         if estimate.value is None:
-            return self.tr("undetermined")
+            return self.tr("not determined")
         if estimate.at_bound:
             return self.tr("at its bound")
         if estimate.sd is None:
@@ -163,7 +213,9 @@ class ParameterRows(QWidget):
             if not math.isfinite(value):
                 self._values[other] = self.rows[other].value
         for row in self.rows.values():
-            row.error.clear()
+            if row.error.text():  # else each move of a slider would lay the panel out anew
+                row.error.clear()
+                row.error.setToolTip("")
         self.moved.emit(self.values)
 
     def _on_released(self) -> None:

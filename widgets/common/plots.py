@@ -1,17 +1,13 @@
-"""Plots in the colours of the window: axes with units, a curve, points or their density."""
+"""Plots in the colours of the window: paper, ink and accent of the palette, axes with units."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QRectF
+from PySide6.QtCore import QEvent
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QWidget
-
-from app.core.arrays import AnyArray, Floats
-from app.render.palettes import colour_table
 
 MOST_DOTS = 20_000
 LINES = 14
@@ -27,12 +23,21 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         For those who cannot see it, and for tests.
     x, y : str
         Titles of the axes with units, e.g. ``ω (°)``.
+    box : ViewBox, optional
+        One that takes the mouse in a way of its own.
     """
 
     _built = False
 
-    def __init__(self, name: str, x: str, y: str, parent: QWidget | None = None) -> None:
-        super().__init__(parent, enableMenu=False)
+    def __init__(
+        self,
+        name: str,
+        x: str,
+        y: str,
+        parent: QWidget | None = None,
+        box: pg.ViewBox | None = None,
+    ) -> None:
+        super().__init__(parent, enableMenu=False, viewBox=box)
         self.setAccessibleName(name)
         self.setMinimumHeight(self.fontMetrics().height() * LINES)
         self.hideButtons()
@@ -67,10 +72,7 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         """Take over the palette."""
         self.setBackground(self.palette().color(QPalette.ColorRole.Base))
         for side in ("bottom", "left"):
-            axis = self.getAxis(side)
-            axis.setPen(pg.mkPen(mix(self.ink, self.palette().color(QPalette.ColorRole.Base))))
-            axis.setTextPen(pg.mkPen(self.ink))
-            axis.setStyle(tickFont=self.font())
+            style_axis(self.getAxis(side), self)
 
     def pen(self, colour: QColor | str, width: float = 2.0, dashed: bool = False) -> Any:
         """A line of that colour."""
@@ -89,6 +91,14 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
             self.restyle()
 
 
+def style_axis(axis: pg.AxisItem, plot: Plot) -> None:
+    """Give an axis ink, line and font of a plot."""
+    paper = plot.palette().color(QPalette.ColorRole.Base)
+    axis.setPen(pg.mkPen(mix(plot.ink, paper)))
+    axis.setTextPen(pg.mkPen(plot.ink))
+    axis.setStyle(tickFont=plot.font())
+
+
 def mix(first: QColor, second: QColor, share: float = 0.5) -> QColor:
     """A colour between two: `share` of the second."""
     pairs = (
@@ -97,19 +107,3 @@ def mix(first: QColor, second: QColor, share: float = 0.5) -> QColor:
         (first.blueF(), second.blueF()),
     )
     return QColor.fromRgbF(*(a + (b - a) * share for a, b in pairs))
-
-
-class DensityImage(pg.ImageItem):  # type: ignore[misc]
-    """Where there are too many points to draw: how many fall in each small rectangle."""
-
-    def __init__(self, palette: str = "viridis") -> None:
-        super().__init__(axisOrder="row-major")
-        self._table = colour_table(palette)
-
-    def show_counts(self, counts: AnyArray, x: Floats, y: Floats) -> None:
-        """Show (rows, columns) counts between the edges `x` and `y`, on a log scale."""
-        level = np.log1p(counts) / max(float(np.log1p(counts.max())), 1e-12)
-        rgba = self._table[(level * 255.0).astype(np.int64)].copy()
-        rgba[counts == 0, 3] = 0
-        self.setImage(rgba, levels=(0, 255))
-        self.setRect(QRectF(x[0], y[0], x[-1] - x[0], y[-1] - y[0]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from PySide6.QtCore import QCoreApplication
 
@@ -12,6 +13,7 @@ from app.core.units import to_mm
 from app.model.operations import AnyOperation, SetParameters, describe_parameters
 from app.model.parameters import Beam, Curve, Parameters
 from app.services.beams import describe_beam
+from widgets.common.channel_titles import title_corrections, title_footprint, title_formulas
 
 
 def title_steps(steps: Iterable[AnyOperation]) -> list[str]:
@@ -31,10 +33,22 @@ def title_steps(steps: Iterable[AnyOperation]) -> list[str]:
 def title_parameters(old: Parameters, new: Parameters) -> str:
     """What changed between two sets of parameters; empty when nothing did."""
     changes = describe_parameters(old, new)
-    return ", ".join(_title(name, value) for name, (_, value) in changes.items())
+    return ", ".join(_title(name, *pair) for name, pair in changes.items())
 
 
-def _title(name: str, value: object) -> str:
+def _title(name: str, old: Any, value: Any) -> str:
+    match name:
+        case "corrections":
+            return title_corrections(old, value)
+        case "formulas":
+            return title_formulas(old, value)
+        case "synthetic_footprint":
+            return title_footprint(value)
+        case _:
+            return _title_angles(name, value)
+
+
+def _title_angles(name: str, value: object) -> str:
     match name, value:
         case "curve", Curve():
             model = MODELS[value.model].title if value.model in MODELS else value.model
@@ -54,8 +68,6 @@ def _title(name: str, value: object) -> str:
         case "beam", _:
             beam = describe_beam(value) if isinstance(value, Beam) else _tr("unknown")
             return _tr("Set beam: {value}").format(value=beam)
-        case "formulas", _:
-            return _tr("Set formulas")
         case _:
             return _title_radiometry(name, value)
 

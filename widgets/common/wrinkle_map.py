@@ -9,7 +9,6 @@ import numpy as np
 from app.core.arrays import AnyArray, Floats, Ints
 from app.core.errors import BadInput
 from app.core.intensity_angle import Curve, Doubt, invert_intensity
-from app.core.phase import get_model
 from app.core.planes import leaf_plane
 from app.core.units import to_degrees, to_radians
 from app.core.wrinkles import Distribution, distribution, shift_of_mean
@@ -78,7 +77,7 @@ def see_leaf(project: Project, scan: str, members: Ints, sigma: float = 0.0) -> 
     intensity = project.field(scan, curve.channel, points)
     scanner = state.scan.scanner("Δω")
     plane = leaf_plane(state.scan.xyz[points], scanner, state.parameters.plane_gate).incidence
-    model = get_model(curve.model)
+    model = curve.angular_model
     read = Curve(
         lambda angle: model.evaluate(angle, curve.values),
         lambda value: model.inverse(value, curve.values),

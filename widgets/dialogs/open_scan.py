@@ -29,9 +29,9 @@ class FileDialogs(QObject):
         self._window = window
         self.folder = Path.home()
 
-    def ask_open(self, then: Callable[[list[Path]], object]) -> None:
+    def ask_open(self, then: Callable[[list[Path]], object], parent: QWidget | None = None) -> None:
         """Ask for scans or a session."""
-        dialog = self._dialog(self.tr("Open scans"), list_filters())
+        dialog = self._dialog(self.tr("Open scans"), list_filters(), parent)
         dialog.setFileMode(Mode.ExistingFiles)
 
         def take(names: list[str]) -> None:
@@ -60,6 +60,21 @@ class FileDialogs(QObject):
         def take(name: str) -> None:
             self.folder = Path(name).parent
             then(Path(name))
+
+        dialog.fileSelected.connect(take)
+        dialog.open()
+
+    def ask_folder(
+        self, title: str, then: Callable[[Path], object], parent: QWidget | None = None
+    ) -> None:
+        """Ask for a folder that exists."""
+        dialog = self._dialog(title, [], parent)
+        dialog.setFileMode(Mode.Directory)
+        dialog.setOption(QFileDialog.Option.ShowDirsOnly)
+
+        def take(name: str) -> None:
+            self.folder = Path(name)
+            then(self.folder)
 
         dialog.fileSelected.connect(take)
         dialog.open()

@@ -6,16 +6,15 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
-from widgets.viewport.tools.navigate import Navigate
 from widgets.viewport.tools.tool import Pointer, Tool
 
 CLICK_REACH = 4  # pixels
 
 
 class Mouse(QObject):
-    """The left button belongs to the armed tool, all else moves the camera.
+    """The left button belongs to the armed tool, all else moves the picture.
 
-    Holding Space lends the left button to the camera. Escape gives up what is half done,
+    Holding Space lends the left button to that. Escape gives up what is half done,
     and puts the tool away when there is nothing.
 
     Signals
@@ -31,7 +30,7 @@ class Mouse(QObject):
     hovered = Signal(float, float)
     context_requested = Signal(QPoint)
 
-    def __init__(self, widget: QWidget, navigate: Navigate) -> None:
+    def __init__(self, widget: QWidget, navigate: Tool) -> None:
         super().__init__(widget)
         self._widget = widget
         self._navigate = navigate

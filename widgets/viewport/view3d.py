@@ -24,6 +24,7 @@ from widgets.viewport.refinement import Refinement
 from widgets.viewport.tools.lasso import Lasso
 from widgets.viewport.tools.navigate import Navigate
 from widgets.viewport.tools.pick import Pick
+from widgets.viewport.tools.rectangle import Rectangle
 from widgets.viewport.tools.tool import Tool
 
 CLICK_REACH = 4  # pixels
@@ -72,6 +73,7 @@ class View3D(QWidget):
         self._tools: dict[str, Tool] = {
             "navigate": navigate,
             "lasso": Lasso(self, self.lasso_finished.emit),
+            "rectangle": Rectangle(self, self.lasso_finished.emit),
             "pick": Pick(self, self.picked.emit),
         }
         self._mouse = Mouse(self, navigate)
@@ -182,7 +184,7 @@ class View3D(QWidget):
     # Tools
 
     def set_tool(self, name: str) -> None:
-        """Arm a tool: ``navigate``, ``lasso`` or ``pick``."""
+        """Arm a tool: ``navigate``, ``lasso``, ``rectangle`` or ``pick``."""
         self._mouse.arm(self._tools[name])
 
     def refresh_overlay(self) -> None:

@@ -21,17 +21,22 @@ from app.model.view_state import ViewState
 from widgets.common.plots import Plot
 from widgets.panels.angles import AnglesPanel
 from widgets.panels.calibration import CalibrationPanel
+from widgets.panels.correct import CorrectPanel
 from widgets.panels.ghosts import GhostsPanel
 from widgets.panels.history import HistoryPanel
+from widgets.panels.index import IndexPanel
 from widgets.panels.jobs import JobsPanel
 from widgets.panels.leaves import LeavesPanel
 from widgets.panels.phase_lab import PhaseLabPanel
 from widgets.panels.pick import PickPanel
+from widgets.panels.scan_image import ScanImagePanel
 from widgets.panels.scans import ScansPanel
+from widgets.panels.series import SeriesPanel
 from widgets.panels.wrinkles import WrinklesPanel
 
-PANELS = (AnglesPanel, CalibrationPanel, GhostsPanel, HistoryPanel, JobsPanel, LeavesPanel,
-          PhaseLabPanel, PickPanel, ScansPanel, WrinklesPanel)  # fmt: skip
+PANELS = (AnglesPanel, CalibrationPanel, CorrectPanel, GhostsPanel, HistoryPanel, IndexPanel,
+          JobsPanel, LeavesPanel, PhaseLabPanel, PickPanel, ScanImagePanel, ScansPanel,
+          SeriesPanel, WrinklesPanel)  # fmt: skip
 SPEAKING = (QAbstractButton, QAbstractItemView, QAbstractSlider, QAbstractSpinBox, QComboBox,
             QProgressBar, Plot)  # fmt: skip
 DARK = {"Window": "#22272d", "Base": "#191d22", "Text": "#e7ebee", "WindowText": "#e7ebee"}

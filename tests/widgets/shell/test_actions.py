@@ -24,9 +24,10 @@ pytestmark = pytest.mark.window
 ROWS = list_rows()
 # What an action needs before it can be used; everything else but the always possible: a scan.
 ALWAYS = {
-    "file.new", "file.open", "file.demo", "file.simulate", "file.quit", "tool.navigate",
-    "view.leaves", "view.ghosts", "view.full_screen", "view.reset_layout", "theme.system",
-    "theme.light", "theme.dark", "help.guide", "help.keys", "help.about",
+    "file.new", "file.open", "file.series", "file.demo", "file.simulate", "file.quit",
+    "tool.navigate", "view.leaves", "view.ghosts", "view.scan_image", "view.full_screen",
+    "view.reset_layout", "theme.system", "theme.light", "theme.dark", "help.guide", "help.keys",
+    "help.about",
 }  # fmt: skip
 SELECTION = {"edit.clear", "edit.delete", "scan.make_leaf"}
 LATER = {"edit.redo", "edit.bring_back", "scan.columns"}

@@ -128,8 +128,8 @@ def test_docks_come_back(window: MainWindow, qtbot: QtBot) -> None:
     qtbot.waitUntil(lambda: window.docks.docks["ghosts"].titleBarWidget() is not None)
     before = list_bars()
     assert before == [
-        ["Leaves", "Jobs"],
-        ["Phase lab", "Δω", "Ghosts", "Angles", "Calibration"],
+        ["Leaves", "Jobs", "Series"],
+        ["Phase lab", "Correct", "Index", "Δω", "Ghosts", "Angles", "Calibration"],
         ["Scans", "Point", "History"],
     ]
     window.docks.docks["ghosts"].setFloating(True)

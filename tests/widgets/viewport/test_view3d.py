@@ -123,6 +123,33 @@ def test_a_lasso_gives_its_corners_and_renders_nothing(
     assert frames == []
 
 
+def test_a_rectangle_is_a_lasso_with_four_corners(view: View3D) -> None:
+    done: list[tuple[list[tuple[float, float]], str]] = []
+    view.lasso_finished.connect(lambda corners, combine: done.append((corners, combine)))
+    view.set_tool("rectangle")
+    for modifier, combine in (
+        (Qt.KeyboardModifier.NoModifier, "replace"),
+        (Qt.KeyboardModifier.ShiftModifier, "add"),
+        (Qt.KeyboardModifier.ControlModifier, "subtract"),
+    ):
+        QTest.mousePress(view, Qt.MouseButton.LeftButton, modifier, at(view, 0.7, 0.6))
+        for x, y in ((0.9, 0.9), (0.2, 0.3)):
+            QTest.mouseMove(view, at(view, x, y))
+        QTest.mouseRelease(view, Qt.MouseButton.LeftButton, modifier, at(view, 0.2, 0.3))
+        corners, said = done.pop()
+        assert said == combine
+        expected = [(0.7, 0.6), (0.2, 0.6), (0.2, 0.3), (0.7, 0.3)]
+        assert np.allclose(corners, expected, atol=1 / view.height())
+
+
+def test_a_click_with_the_rectangle_is_a_slip(view: View3D) -> None:
+    done: list[object] = []
+    view.lasso_finished.connect(lambda *args: done.append(args))
+    view.set_tool("rectangle")
+    QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=at(view, 0.5, 0.5))
+    assert done == []
+
+
 def test_escape_gives_up_the_lasso_and_then_the_tool(view: View3D) -> None:
     tools: list[str] = []
     done: list[object] = []

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
-from widgets.viewport.tools.tool import Pointer, Surface, Tool
+from widgets.viewport.tools.tool import Paper, Pointer, Tool
 
 Combine = Literal["replace", "add", "subtract"]
 Corner = tuple[float, float]
@@ -28,7 +28,7 @@ class Lasso(Tool):
 
     Parameters
     ----------
-    view : Surface
+    view : Paper
     finished : callable
         Gets the corners as shares of the view (y down) and how to combine.
     """
@@ -36,7 +36,7 @@ class Lasso(Tool):
     name: ClassVar[str] = "lasso"
     cursor: ClassVar[Qt.CursorShape] = Qt.CursorShape.CrossCursor
 
-    def __init__(self, view: Surface, finished: Callable[[list[Corner], Combine], None]) -> None:
+    def __init__(self, view: Paper, finished: Callable[[list[Corner], Combine], None]) -> None:
         self._view = view
         self._finished = finished
         self._corners: list[Corner] = []

@@ -38,7 +38,14 @@ class Pointer:
         return (self.x - other.x) * self.width, (self.y - other.y) * self.height
 
 
-class Surface(Protocol):
+class Paper(Protocol):
+    """What a tool that draws may do to the view."""
+
+    def refresh_overlay(self) -> None:
+        """Paint what lies over the picture again."""
+
+
+class Surface(Paper, Protocol):
     """What a tool may do to the view."""
 
     def camera(self) -> Camera:
@@ -49,9 +56,6 @@ class Surface(Protocol):
 
     def centre_at(self, x: float, y: float) -> bool:
         """Turn around what is drawn there from now on."""
-
-    def refresh_overlay(self) -> None:
-        """Paint what lies over the picture again."""
 
 
 class Tool:
@@ -71,6 +75,9 @@ class Tool:
 
     def double_click(self, at: Pointer) -> None:
         """A button went down twice."""
+
+    def turn_wheel(self, at: Pointer, notches: float) -> None:
+        """The wheel turned, away from the hand when `notches` is positive."""
 
     def cancel(self) -> bool:
         """Give up what is half done; tells whether there was something."""

@@ -1,0 +1,1 @@
+"""Parts of the panel that corrects for the angle of incidence."""

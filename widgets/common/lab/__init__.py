@@ -1,0 +1,1 @@
+"""The parts of the phase lab: choices, plot, brush, pages."""

@@ -1,0 +1,1 @@
+"""Parts of the panel "Series" and of its dialog."""
