@@ -58,7 +58,8 @@ def _fields_of(
         return Computed(evaluation.read_beside(name, "mark", points).astype(np.float64))
 
     needs: tuple[Need, ...] = ("leaves",) if any(each.leaves for each in group) else ()
-    title, unit = f"{source.name}, {get_workflow(group[0].workflow).title}", units[source.kind]
+    chain, unit = get_workflow(group[0].workflow), units[source.kind]
+    title, short = f"{source.name}, {chain.title}", chain.title.partition(",")[0]
     whose = "" if sigma_field or source.sigma is not None else ", of angle and fit only"
     inputs = (name, "incidence_sigma", *((sigma_field,) if sigma_field else ()))
     return [
@@ -66,8 +67,10 @@ def _fields_of(
             name, title, unit, "scalar", compute, (source.name, "incidence"), (), needs,
             made_with=group,
         ),
-        FieldSpec(name + SIGMA, f"σ of {name}{whose}", unit, "scalar", sigma, inputs),
-        FieldSpec(name + MARK, f"Mark of {name}", "", "correction", mark, (name,)),
+        FieldSpec(
+            name + SIGMA, f"σ of {source.name}, {short}{whose}", unit, "scalar", sigma, inputs
+        ),
+        FieldSpec(name + MARK, f"Mark of {source.name}, {short}", "", "correction", mark, (name,)),
     ]  # fmt: skip
 
 

@@ -52,7 +52,7 @@ def list_families(channels: Sequence[Channel], smoothing: bool) -> list[Family]:
         # A formula that names a channel means that one, however it was treated.
         named = own if workflow else [channel.name for channel in channels]
         suffix = f"_{workflow}" if workflow else ""
-        title = WORKFLOWS[workflow].title if workflow else ""
+        title = WORKFLOWS[workflow].title.partition(",")[0] if workflow else ""
         families.append(Family(suffix, title, {name: name for name in named}, own))
     if not smoothing:
         return families
