@@ -37,12 +37,14 @@ def span(p: Parameter, value: Any, sd: Any, reach: Any, kind: Kind) -> tuple[Any
     reach : float or (...) array
         Standard deviations to each side.
     kind : str
-        ``plain``: value ± reach·sd. ``within bounds``: the same in a coordinate in which a bound
-        is infinitely far (log of the distance from one bound, logit between two), turned back;
-        never beyond a bound, and not symmetric. A parameter without bounds has only the first.
+        ``plain``: value ± reach·sd, cut off at the bounds, which costs no coverage.
+        ``within bounds``: the same in a coordinate in which a bound is infinitely far (log of
+        the distance from one bound, logit between two), turned back; never beyond a bound, and
+        not symmetric. A parameter without bounds has only the first.
     """
     if kind == "plain" or p.wraps or not np.isfinite(p.lower):
-        return value - reach * sd, value + reach * sd
+        low, high = value - reach * sd, value + reach * sd
+        return (low, high) if p.wraps else (np.maximum(low, p.lower), np.minimum(high, p.upper))
     above = value - p.lower
     with np.errstate(all="ignore"):
         if not np.isfinite(p.upper):

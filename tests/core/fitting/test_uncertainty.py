@@ -232,3 +232,11 @@ def test_a_rough_leaf_may_be_rougher_than_the_model_goes() -> None:
         for seed in range(20)
     ]
     assert any("m is not limited from above" in " ".join(sentences) for sentences in words)
+
+
+def test_an_interval_ends_at_the_bound() -> None:
+    value = BECKMANN.evaluate(STEPS, {"f": 1.0, "k_d": 0.95, "m": 0.3})
+    noise = 0.05 * np.random.default_rng(3).standard_normal((50, 17))
+    ends = fit_many(BECKMANN, STEPS, value + noise).intervals()[:, 1]
+    assert np.nanmax(ends) == 1.0
+    assert np.nanmin(ends) >= 0.0

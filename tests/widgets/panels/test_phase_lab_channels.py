@@ -173,6 +173,10 @@ def test_residuals_go_to_the_strip_and_to_the_view(lab, opened, qtbot) -> None:
     qtbot.waitUntil(lambda: lab.plots.plot.plotItem.height() > 1.2 * high)
     qtbot.mouseClick(lab.plots.tools.map, LEFT)
     assert opened.controller.view.colour == "residual"
+    points, limits = lab.editor.points, opened.controller.view.ranges["residual"]
+    miss = np.abs(points.value - shape.draw(points.angle))
+    assert (miss <= limits.high).mean() == pytest.approx(0.98, abs=0.005)
+    assert limits.low == -limits.high
     assert opened.controller.scan.parameters.curve.values == lab.editor.result.values
     qtbot.waitUntil(lambda: lab.plots.tools.map.isChecked())
     qtbot.mouseClick(lab.plots.tools.map, LEFT)

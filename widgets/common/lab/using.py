@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from uuid import uuid4
 
+import numpy as np
 from PySide6.QtCore import QObject
 
 from app.core.phase.formula_model import FormulaModel
+from app.core.units import to_radians
 from app.model.parameters import Curve
+from app.model.view_state import ColourRange
 from widgets.common.curve_choice import Target
 from widgets.common.curve_editor import CurveEditor
 from widgets.common.known_fits import have_same_values
@@ -17,6 +20,8 @@ from widgets.controller import Controller
 from widgets.leaf_work import LeafWork
 
 RESIDUAL = "residual"
+ENOUGH = 50_000
+"""Points that tell the limits of the map."""
 
 
 class CurveUse(QObject):
@@ -76,11 +81,25 @@ class CurveUse(QObject):
         if wanted:
             if not self.is_used:
                 self.use()
-            self._controller.look(colour=RESIDUAL)
+            reach = self._find_reach()
+            ranges = dict(self._controller.view.ranges)
+            if reach > 0.0:
+                ranges[RESIDUAL] = ColourRange(-reach, reach)
+            self._controller.look(colour=RESIDUAL, ranges=ranges)
             return
         state = self._controller.scan
         channels = () if state is None else state.channels
         self._controller.look(colour=channels[0].name if channels else "")
+
+    def _find_reach(self) -> float:
+        """What all but 2 % of the points shown keep within; a wall behind the leaf has no say."""
+        shape, points = self._editor.shape, self._editor.points
+        if shape is None or points.count == 0:
+            return 0.0
+        some = slice(None, None, 1 + points.count // ENOUGH)
+        curve = shape.model.evaluate(to_radians(points.angle[some]), shape.values)
+        miss = np.abs(points.value[some] - curve)
+        return float(np.nanquantile(miss, 0.98)) if np.isfinite(miss).any() else 0.0
 
     def _on_released(self) -> None:
         self._use_by_hand(f"curve {self._drag}")
