@@ -95,38 +95,6 @@ def find_reach(b: float, least_bracket: float = LEAST_BRACKET) -> float:
     return float(np.arccos(1.0 - drop / b)) if b > drop else RIGHT_ANGLE
 
 
-def compute_correction(
-    angle: Floats,
-    b: float,
-    *,
-    least_bracket: float = LEAST_BRACKET,
-    fitted: tuple[float, float] = (0.0, RIGHT_ANGLE),
-) -> Floats:
-    """Factor that turns an intensity, and its σ, into what face-on incidence would give.
-
-    Parameters
-    ----------
-    angle : (n,) array
-        Incidence angle, radians.
-    b : float
-    least_bracket : float
-        The bracket reaches zero (b = 2.3: at 55.6°) and the factor explodes before it does.
-    fitted : (float, float)
-        Angles that b was fitted to, radians.
-
-    Returns
-    -------
-    (n,) array
-        1 / (1 − b(1 − cos ω)); NaN marks points that must not be corrected: bracket below
-        `least_bracket`, or angle outside `fitted`.
-    """
-    bracket = 1.0 - b * (1.0 - np.cos(angle))
-    usable = (bracket >= least_bracket) & (angle >= fitted[0]) & (angle <= fitted[1])
-    factor: Floats = np.full(np.shape(bracket), np.nan)
-    factor[usable] = 1.0 / bracket[usable]
-    return factor
-
-
 def _cite(sample: str, b: float) -> Reference:
     return Reference(sample, {"b": b}, SOURCE)
 

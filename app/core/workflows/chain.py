@@ -9,13 +9,13 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Floats
 from app.core.errors import WrongUse
+from app.core.phase.incidence_b import LEAST_BRACKET as LEAST_BRACKET
 from app.core.workflows import marks
 from app.core.workflows.fraction import keep_diffuse
 from app.core.workflows.incidence import compute_bracket, divide_incidence
 from app.core.workflows.step import Stepped, begin
 from app.core.workflows.subtraction import subtract_specular
 
-LEAST_BRACKET = 0.25
 RIGHT_ANGLE = np.pi / 2
 LAMBERTIAN = {"b": 1.0}
 """The diffuse part of Lambert–Beckmann falls with cos ω: that is b = 1."""

@@ -6,7 +6,7 @@ the axis and the corrections, and are found anew when somebody looks.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -81,14 +81,32 @@ def set_axis(project: Project, key: str, axis: HolderAxis | None) -> None:
     project.do(PutSeries(key, replace(series, axis=axis), "Set the axis of"))
 
 
-def correct_leaf(
-    project: Project, key: str, scan: str, leaf: str, members: PointSet | None
-) -> None:
-    """Say which points a leaf has in one scan; none: it is not there; None: carry it again."""
-    series = series_of(project, key)
+def correct_leaves(
+    series: Series, scan: str, said: Mapping[str, PointSet | None], verb: str = "Correct"
+) -> PutSeries:
+    """The step that says which points leaves have in one scan.
+
+    Parameters
+    ----------
+    series : Series
+    scan : str
+    said : mapping of str to PointSet or None
+        By leaf; no points: it is not there; None: carry it again.
+    verb : str
+        Of the step's title.
+
+    Raises
+    ------
+    WrongUse
+        The scan is the reference, or not in the series.
+    """
     if scan == series.reference:
         raise WrongUse("Leaves of the reference scan are changed there, as leaves.")
-    project.do(PutSeries(key, series.correct(scan, leaf, members), "Correct a leaf in"))
+    changed = series
+    for leaf, members in said.items():
+        changed = changed.correct(scan, leaf, members)
+    one = "a leaf" if len(said) == 1 else f"{len(said)} leaves"
+    return PutSeries(series.key, changed, f"{verb} {one} in")
 
 
 def read_leaves(project: Project, key: str, tolerance: Tolerance = USUAL) -> Reference:

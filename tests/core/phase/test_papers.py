@@ -8,8 +8,9 @@ import pytest
 from app.core.fitting import fit
 from app.core.phase import MODELS, Reference
 from app.core.phase.cosine import expect_amplitude
-from app.core.phase.incidence_b import compute_correction, find_reach
+from app.core.phase.incidence_b import find_reach
 from app.core.units import to_degrees, to_radians
+from app.core.workflows.chain import Limits, correct
 
 STEPS = to_radians(np.arange(0.0, 81.0, 5.0))
 BECKMANN = MODELS["lambert-beckmann"]
@@ -74,11 +75,16 @@ def test_peak_between_zero_and_the_first_angle_is_called_extrapolated() -> None:
     assert any("extrapolated" in w for w in result.warnings)
 
 
+def factor_of(b: float, *angles_deg: float, limits: Limits | None = None) -> np.ndarray:
+    angle = to_radians(np.array(angles_deg))
+    return correct("wf2", np.ones(len(angle)), angle, {"b": b}, limits or Limits()).values
+
+
 def test_bracket_of_the_steepest_leaf() -> None:
-    factor = compute_correction(to_radians(np.array([0.0, 45.0, 50.0, 54.0, 60.0])), 2.3)
+    factor = factor_of(2.3, 0.0, 45.0, 50.0, 54.0, 60.0)
     assert factor[:2] == pytest.approx([1.0, 1 / (1 - 2.3 * (1 - np.sqrt(0.5)))])
     assert np.isnan(factor[2:]).all()
-    wide = compute_correction(to_radians(np.array([50.0, 54.0, 55.7])), 2.3, least_bracket=0.01)
+    wide = factor_of(2.3, 50.0, 54.0, 55.7, limits=Limits(least_bracket=0.01))
     assert wide[0] == pytest.approx(5.6, abs=0.05)
     assert wide[1] == pytest.approx(19.0, abs=0.5)
     assert np.isnan(wide[2])
@@ -87,7 +93,7 @@ def test_bracket_of_the_steepest_leaf() -> None:
 
 def test_angles_beyond_the_fit_are_not_corrected() -> None:
     angles = to_radians(np.array([10.0, 20.0, 30.0]))
-    factor = compute_correction(angles, 1.0, fitted=(angles[1], angles[1]))
+    factor = factor_of(1.0, 10.0, 20.0, 30.0, limits=Limits(fitted=(angles[1], angles[1])))
     assert np.isnan(factor).tolist() == [True, False, True]
 
 

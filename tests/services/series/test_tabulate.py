@@ -22,7 +22,7 @@ from app.services.opening import Opening, open_into
 from app.services.series.axis import as_record
 from app.services.series.document import (
     change_series,
-    correct_leaf,
+    correct_leaves,
     find_in_scan,
     fit_series_axis,
     make_series,
@@ -149,6 +149,10 @@ def test_cancel_leaves_what_is_done(stage: Path, tmp_path: Path) -> None:
     assert len(read(out)) == 2
 
 
+def say(project: Project, key: str, scan: str, leaf: str, members: PointSet | None) -> None:
+    project.do(correct_leaves(project.state.series[key], scan, {leaf: members}))
+
+
 def open_series(folder: Path) -> tuple[Project, str, list[str]]:
     """A session with the scans of a stage, leaves in the first, and a series of them."""
     project, scans, entries = Project(), [], []
@@ -167,8 +171,8 @@ def test_a_series_in_a_session(stage: Path, tmp_path: Path) -> None:
     (found,) = find_in_scan(project, key, scans[2], reference)
     assert found.verdict == "sure"
     half = PointSet(found.rows[: len(found.rows) // 2])
-    correct_leaf(project, key, scans[2], found.leaf.key, half)
-    correct_leaf(project, key, scans[1], found.leaf.key, PointSet())
+    say(project, key, scans[2], found.leaf.key, half)
+    say(project, key, scans[1], found.leaf.key, PointSet())
     rows = measure_series(project, key)
     assert [row["verdict"] for row in rows] == ["sure", "corrected", "corrected"]
     assert [row["points"] for row in rows][1:] == [0, len(half)]
@@ -194,7 +198,7 @@ def test_a_series_in_a_session(stage: Path, tmp_path: Path) -> None:
     set_axis(project, key, None)
     assert find_in_scan(project, key, scans[2], reference)[0].verdict == "check"
     with pytest.raises(WrongUse, match="reference"):
-        correct_leaf(project, key, scans[0], found.leaf.key, None)
+        say(project, key, scans[0], found.leaf.key, None)
 
 
 def test_sessions_without_what_is_needed(stage: Path, tmp_path: Path) -> None:
@@ -262,7 +266,7 @@ def test_an_axis_is_turned_the_way_the_leaves_go(stage: Path) -> None:
 
 def test_another_reference_forgets_what_was_said_of_the_old_leaves(stage: Path) -> None:
     project, key, scans = open_series(stage)
-    correct_leaf(project, key, scans[1], "leaf-00001", PointSet())
+    say(project, key, scans[1], "leaf-00001", PointSet())
     old = project.state.series[key]
     change_series(project, key, "other", old.entries[:2], scans[0])
     kept = project.state.series[key]

@@ -84,12 +84,6 @@ class IndexForm(QWidget):
             wanted = kept if kept in there else there[0] if there else ""
             box.setCurrentIndex(box.findData(wanted))
 
-    def show_index(self, name: str) -> None:
-        """Show an index without a signal, if it can be had."""
-        row = self.index_box.findData(name)
-        if row >= 0 and not self._choices[row].missing:
-            self.index_box.setCurrentIndex(row)
-
     def _lay_out(self) -> None:
         for box in (self.index_box, self.leaves_box):
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)

@@ -6,11 +6,12 @@ from collections.abc import Hashable, Sequence
 
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from app.model.operations import PutSeries, Select, Several
+from app.model.operations import Select, Several
 from app.model.points import EMPTY, PointSet
 from app.model.series import Series
 from app.model.view_state import Preview
 from app.services.series.carrying import Found
+from app.services.series.document import correct_leaves
 from widgets.common.notice import Notice
 from widgets.common.series.finder import Finder
 from widgets.common.series.found_list import FoundList
@@ -174,11 +175,7 @@ class CarryPage(QWidget):
         series, scan = self.series, self._controller.current
         if series is None or scan is None or not members:
             return
-        changed = series
-        for leaf, points in members.items():
-            changed = changed.correct(scan, leaf, points)
-        one = "a leaf" if len(members) == 1 else f"{len(members)} leaves"
-        step = PutSeries(series.key, changed, f"{verb} {one} in")
+        step = correct_leaves(series, scan, members, verb)
         clearing = (Select(scan, EMPTY),) if clears else ()
         self._controller.do(Several(step.title, (step, *clearing)) if clears else step)
 
