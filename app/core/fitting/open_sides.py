@@ -8,9 +8,9 @@ import numpy as np
 
 from app.core.fitting.block import hold_pairs
 from app.core.fitting.intervals import LEVEL, find_quantile
-from app.core.fitting.pairs import Pairs
+from app.core.fitting.pairs import Pairs, condense
 from app.core.fitting.projection import Projection
-from app.core.fitting.solve import make_freedom
+from app.core.fitting.solve import MOST_SEARCHED, make_freedom
 from app.core.phase import PhaseModel
 
 # Share of the values' sum of squares that is rounding.
@@ -21,6 +21,7 @@ def explain_open_sides(
     model: PhaseModel,
     pairs: Pairs,
     values: Mapping[str, float],
+    rss: float,
     sd: float,
     fixed: Mapping[str, float],
 ) -> list[str]:
@@ -36,6 +37,8 @@ def explain_open_sides(
     pairs : Pairs
     values : mapping of str to float
         Best parameters for the normalised values.
+    rss : float
+        Of the best curve, for the normalised values.
     sd : float
         Of the shape; NaN where it has none.
     fixed : mapping of str to float
@@ -44,7 +47,8 @@ def explain_open_sides(
     shape = next((p for p in model.parameters if p.name == model.shape), None)
     if shape is None or shape.wraps or shape.name in fixed or not np.isfinite(sd):
         return []
-    block = hold_pairs(pairs)
+    few = condense(pairs, MOST_SEARCHED)
+    block = hold_pairs(few)
     held = {name: np.array([value]) for name, value in fixed.items()}
     projection = Projection(
         model, block.angle, block.value, np.sqrt(block.weight), make_freedom(model, held, 1)
@@ -54,7 +58,8 @@ def explain_open_sides(
     least, low, high = (float(projection.rss(np.array([at]))[0]) for at in (best, *bounds))
     spare = len(pairs) - (len(model.parameters) - len(fixed))
     reach = float(find_quantile(LEVEL, spare))
-    limit = least * (1 + reach**2 / spare)
+    # What condensing leaves out is the same for every shape.
+    limit = least + rss * reach**2 / spare
     limit += ROUNDING * float((pairs.weight * pairs.value**2).sum())
     open_low, open_high = low <= limit, high <= limit
     if open_low and open_high:

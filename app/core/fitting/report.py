@@ -69,7 +69,7 @@ def report_fit(
             *pairs.warnings,
             *more.pop("warnings", ()),
             *_explain_missing(model, values, free, deviations),
-            *(_explain_open(model, pairs, values, deviations, fixed) if squares else ()),
+            *(_explain_open(model, pairs, values, rss, deviations, fixed) if squares else ()),
             *model.remark(in_units, pairs.angle, scatter, fixed),
         ),
         covariance=_scale_covariance(model, pairs, covariance),
@@ -136,12 +136,13 @@ def _explain_open(
     model: AngularModel,
     pairs: Pairs,
     values: Mapping[str, float],
+    rss: float,
     deviations: Mapping[str, float],
     fixed: Mapping[str, float],
 ) -> list[str]:
     if not isinstance(model, PhaseModel) or model.shape not in deviations:
         return []
-    return explain_open_sides(model, pairs, values, deviations[model.shape], fixed)
+    return explain_open_sides(model, pairs, values, rss, deviations[model.shape], fixed)
 
 
 def _explain_missing(
