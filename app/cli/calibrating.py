@@ -107,7 +107,7 @@ def calibrate(
     from app.services.instrument_facts import choose_calibration
     from app.services.panel_columns import TableOptions
 
-    refuse_calibration(out, report, overwrite)
+    refuse_calibration(out, report, overwrite, [table])
     options = TableOptions(
         panels.column, panels.channel, panels.wavelength, panels.percent, panels.panel_sigma
     )

@@ -198,13 +198,13 @@ def compute(
         JSON file with seconds, counts and versions.
     """
     from app.cli.printing import print_report, write_json
-    from app.formats.atomic import refuse_target
+    from app.formats.atomic import is_same_file, refuse_target
     from app.services.compute import compute_file
 
     if report is not None:
-        if report.resolve() == out.resolve():
+        if is_same_file(report, out):
             raise WrongUse(f"{out} cannot be both the result and the report.")
-        refuse_target(report, overwrite)
+        refuse_target(report, overwrite, sources=[file])
     parameters = parameters_of(planes, beam)
     found = compute_file(opening(file, reading), field, out, parameters, overwrite, watch())
     if report is not None:

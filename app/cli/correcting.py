@@ -16,7 +16,7 @@ from app.cli.commands import (
     parameters_of,
 )
 from app.cli.console import watch
-from app.cli.printing import print_json, print_warnings, say
+from app.cli.printing import count_of, print_json, print_warnings, say
 
 if TYPE_CHECKING:
     from app.services.workflow_table import WorkflowTable
@@ -86,7 +86,7 @@ def _print(found: WorkflowTable, out: Path, as_json: bool) -> None:
                 parts[-1] += f" ({marked} marked)" if marked else ""
         say("  ".join(parts))
     print_warnings(found.warnings)
-    say(f"{len(found.rows)} rows; {out} written.")
+    say(f"{count_of(len(found.rows), 'row', 'rows')}; {out} written.")
 
 
 def _show(value: object) -> str:

@@ -108,7 +108,7 @@ def fit(
     from app.services.lab.sources import groups_of_table
 
     order = _order(fitting, profile, trials if bootstrap is not None else None)
-    _refuse(writing, order, overwrite)
+    _refuse(writing, order, overwrite, table, fitting)
     groups = groups_of_table(table, x, y, group, bootstrap)
     _finish(groups, order, writing, (y, f"{x} (°)"), json, overwrite)
 
@@ -163,7 +163,7 @@ def fit_scan(
     if bootstrap and leaves != "together":
         raise WrongUse("A bootstrap draws leaves that are fitted together: --leaves together.")
     order = _order(fitting, profile_intervals, trials if bootstrap else None)
-    _refuse(writing, order, overwrite)
+    _refuse(writing, order, overwrite, scan, fitting)
     named = tuple(text for text in channel if "=" in text)
     chosen = tuple(text for text in channel if "=" not in text)
     found = pairs_of_scan(
@@ -225,22 +225,24 @@ def _parse_fixed(texts: Sequence[str]) -> dict[str, float]:
     return found
 
 
-def _refuse(writing: Writing, order: FitOrder, overwrite: bool) -> None:
+def _refuse(
+    writing: Writing, order: FitOrder, overwrite: bool, source: Path, fitting: Fitting
+) -> None:
     """Raise before the work where its files could not be written."""
-    from app.formats.atomic import refuse_target
+    from app.formats.atomic import refuse_targets
     from app.services.lab.figure import figure_kind
     from app.services.lab.table_files import kind_of
 
     if writing.table is not None:
         kind_of(writing.table)
-        refuse_target(writing.table, overwrite)
         if order.model is None:
             raise WrongUse("A table holds fits of one model; say which by --model.")
     elif writing.wide:
         raise WrongUse("--wide is the layout of a --table; give one.")
     if writing.figure is not None:
         figure_kind(writing.figure)
-        refuse_target(writing.figure, overwrite)
+    targets = filter(None, (writing.table, writing.figure))
+    refuse_targets(targets, overwrite, filter(None, (source, fitting.formula_model)))
 
 
 def _finish(

@@ -19,7 +19,7 @@ from app.cli.commands import (
     parameters_of,
 )
 from app.cli.console import watch
-from app.cli.printing import print_json, print_warnings, say
+from app.cli.printing import count_of, print_json, print_warnings, say
 from app.core.errors import WrongUse
 
 if TYPE_CHECKING:
@@ -74,12 +74,11 @@ def index_angle(
     model
         Curve fitted to each channel: fourier-2 for scans and cosine for tables, if not said.
     """
-    from app.formats.atomic import refuse_target
+    from app.formats.atomic import refuse_targets
     from app.services import index_angle_files as service
     from app.services.index_angle import write_index_angles
 
-    for path in filter(None, (out, curve)):
-        refuse_target(path, overwrite)
+    refuse_targets(filter(None, (out, curve)), overwrite, [file])
     if leaves.angle is not None:
         found = _read_angles(file, index, leaves, reading, model or service.OF_TABLE)
     else:
@@ -114,16 +113,15 @@ def _print_angles(found: IndexAngles, out: Path, as_json: bool) -> None:
         return
     for pick in found.index.picks:
         say(pick.words)
-    for row in found.rows:
-        name = next(iter(row.values())) if "leaf" in row else ""
+    for name, row in zip(found.names, found.rows, strict=True):
         beyond = "exceeds" if row.get("A_exceeds_noise") else "does not exceed"
         say(
-            f"{name or 'all'}: {found.index.name} {_show(row['measured_min'])} to "
+            f"{name}: {found.index.name} {_show(row['measured_min'])} to "
             f"{_show(row['measured_max'])}, mean {_show(row.get('index_mean'))}, amplitude "
             f"{_show(row.get('A'))} ({beyond} noise, which gives {_show(row.get('A_from_noise'))})"
         )
     print_warnings(found.warnings)
-    say(f"{len(found.rows)} rows; {out} written.")
+    say(f"{count_of(len(found.rows), 'row', 'rows')}; {out} written.")
 
 
 def synthetic_footprint(

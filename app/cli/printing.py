@@ -109,7 +109,7 @@ def print_leaves(rows: Sequence[Mapping[str, Any]], out: Path, as_json: bool) ->
     if as_json:
         print_json({"leaves": list(rows)})
         return
-    say(f"{len(rows)} leaves; {out} written.")
+    say(f"{count_of(len(rows), 'leaf', 'leaves')}; {out} written.")
 
 
 def print_replay(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
@@ -126,6 +126,11 @@ def print_replay(report: Mapping[str, Any], out: Path, as_json: bool) -> None:
             f"{scan['leaves']} leaves"
         )
     say(f"{out} written.")
+
+
+def count_of(number: int, one: str, many: str) -> str:
+    """``1 leaf``, ``2 leaves``."""
+    return f"{number} {one if number == 1 else many}"
 
 
 def print_warnings(warnings: Sequence[str]) -> None:

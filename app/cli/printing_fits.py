@@ -24,12 +24,16 @@ def print_lab(report: LabReport, written: Sequence[Path], as_json: bool) -> None
         _print_fit(entry)
     for table in found.get("comparisons", ()):
         _print_comparison(table)
+    print_warnings(found["notes"])
     for path in written:
         say(f"{path} written.")
 
 
 def _print_fit(entry: Mapping[str, Any]) -> None:
-    rss = "none" if entry["rss"] is None else f"{entry['rss']:.6g}"
+    if entry["rss"] is None:
+        say(f"{_name(entry['group'])}: {entry['model']}, not fitted: {' '.join(entry['warnings'])}")
+        return
+    rss = f"{entry['rss']:.6g}"
     what = "means" if entry["kind"] == "bins" else "points"
     say(f"{_name(entry['group'])}: {entry['model']}, {entry['n']} {what}, rss {rss}")
     for name, estimate in entry["parameters"].items():
@@ -68,7 +72,7 @@ def _print_comparison(table: Mapping[str, Any]) -> None:
 
 
 def _name(group: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} {value}" for name, value in group.items()) or "all"
+    return ", ".join(f"{name} {value or '(empty)'}" for name, value in group.items()) or "all"
 
 
 def _show_estimate(estimate: Mapping[str, Any]) -> str:

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from app.cli.commands import Json, Overwrite
 from app.cli.console import watch
-from app.cli.printing import print_json, print_warnings, say
+from app.cli.printing import count_of, print_json, print_warnings, say
 from app.core.errors import WrongUse
 from app.core.units import MM_PER_M
 
@@ -131,7 +131,7 @@ def _print(table: SampleTable, index: Sequence[str], out: Path, as_json: bool) -
         shares = ", ".join(f"{share:.1%} of the points of {scan}" for scan, share in matched)
         say(f"{name}: {pairs['pairs']:,} pairs of points, {shares}")
     print_warnings(table.warnings)
-    say(f"{len(table.rows)} samples; {out} written.")
+    say(f"{count_of(len(table.rows), 'sample', 'samples')}; {out} written.")
 
 
 def _show(value: object) -> str:

@@ -22,7 +22,7 @@ from app.cli.commands import (
     parameters_of,
 )
 from app.cli.console import watch
-from app.cli.printing import print_json, print_warnings, say
+from app.cli.printing import count_of, print_json, print_warnings, say
 from app.core.errors import BadInput
 from app.core.units import MM_PER_M
 
@@ -136,7 +136,7 @@ def _print(found: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(found)
         return
-    say(f"{found['scans']} scans: {found['understood']}")
+    say(f"{count_of(found['scans'], 'scan', 'scans')}: {found['understood']}")
     if found["axis"] is not None:
         say(_describe_axis(found["axis"]))
     counts = found["verdicts"]
@@ -145,7 +145,7 @@ def _print(found: Mapping[str, Any], as_json: bool) -> None:
         if row["verdict"] in ("check", "vanished"):
             say(f"{row['verdict']}: {row['name']} in {row['file']}. {row['reason']}")
     print_warnings(found["warnings"])
-    say(f"{len(found['rows'])} rows ({told}); {found['table']} written.")
+    say(f"{count_of(len(found['rows']), 'row', 'rows')} ({told}); {found['table']} written.")
 
 
 def _describe_axis(axis: Mapping[str, Any]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -66,13 +66,21 @@ def atomic_files() -> Iterator[Begin]:
             temporary.unlink(missing_ok=True)
 
 
-def refuse_target(target: Path, overwrite: bool, folder_follows: bool = False) -> None:
+def refuse_target(
+    target: Path, overwrite: bool, folder_follows: bool = False, sources: Iterable[Path] = ()
+) -> None:
     """Raise `BadInput` where `target` must not or cannot be written; cheap, call it early.
 
-    With `folder_follows` the folder is made later.
+    With `folder_follows` the folder is made later. `sources` are files that are read: they are
+    never replaced, by whatever path they are named and whatever may be overwritten.
     """
     if target.is_dir():
         raise BadInput(f"{target} is a folder.", "Give the name of a file.")
+    if any(is_same_file(target, source) for source in sources):
+        raise BadInput(
+            f"{target} is what is read: the result would replace the measurements.",
+            "Choose another name.",
+        )
     if target.exists() and not overwrite:
         hint = "Choose another name, or allow it with --overwrite."
         raise BadInput(f"{target} exists already.", hint)
@@ -81,6 +89,25 @@ def refuse_target(target: Path, overwrite: bool, folder_follows: bool = False) -
         raise BadInput(f"The folder {folder} does not exist.", "Make it first.")
     if folder.is_dir() and not os.access(folder, os.W_OK):
         raise BadInput(f"You may not write to the folder {folder}.", "Choose another folder.")
+
+
+def refuse_targets(targets: Iterable[Path], overwrite: bool, sources: Iterable[Path] = ()) -> None:
+    """As `refuse_target` for files of one command, none of which may be another of them."""
+    sources = list(sources)
+    taken: list[Path] = []
+    for target in targets:
+        if any(is_same_file(target, other) for other in taken):
+            raise BadInput(f"{target} is named for two results.", "Give each a name of its own.")
+        refuse_target(target, overwrite, sources=sources)
+        taken.append(target)
+
+
+def is_same_file(one: Path, other: Path) -> bool:
+    """Whether two paths name one file, through links as well."""
+    try:
+        return one.resolve() == other.resolve() or one.samefile(other)
+    except (OSError, RuntimeError):  # one of them is not there, or its links run in a circle
+        return False
 
 
 def _rename(pairs: list[tuple[Path, Path]]) -> None:

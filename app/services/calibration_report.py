@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from app.core.radiometry.joint import count_rows
-from app.formats.atomic import atomic_files, refuse_target
+from app.formats.atomic import atomic_files, refuse_targets
 from app.services.calibrate import CalibrationReport, ChannelReport, misfit
 from app.services.calibration_words import list_parameters, tell_error, tell_noise
 from app.services.profiles import encode_profile
@@ -17,10 +17,11 @@ def list_targets(out: Path, report: Path | None) -> list[Path]:
     return [out] if report is None else [out, report, report.with_suffix(".png")]
 
 
-def refuse_calibration(out: Path, report: Path | None, overwrite: bool) -> None:
+def refuse_calibration(
+    out: Path, report: Path | None, overwrite: bool, sources: Sequence[Path] = ()
+) -> None:
     """Raise `BadInput` where a file must not be written; cheap, call it before the work."""
-    for target in list_targets(out, report):
-        refuse_target(target, overwrite)
+    refuse_targets(list_targets(out, report), overwrite, sources)
 
 
 def write_calibration(

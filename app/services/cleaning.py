@@ -98,7 +98,7 @@ def clean_file(
         Counts of points, ghosts, and of what was done with them.
     """
     refuse_unwritable(out)
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=[opening.path])
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     report: dict[str, Any] = {"points": 0, "ghosts": 0, "mode": mode}
     for key in keys:

@@ -52,7 +52,7 @@ def compute_file(
         The report: seconds, parts, computed, undefined, notes, warnings, versions.
     """
     refuse_unwritable(out)
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=[opening.path])
     start = time.perf_counter()
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     read = time.perf_counter() - start

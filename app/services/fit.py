@@ -15,7 +15,7 @@ from app.core.units import to_degrees
 from app.model.fit_method import Method
 from app.services.lab.batch import fit_sets
 from app.services.lab.own_models import AnyModel, find_model
-from app.services.tables import Table, read_table
+from app.services.tables import MISSING, Table, read_table
 
 Group = tuple[Mapping[str, str], Floats, Floats]
 POINTS = Method()
@@ -170,7 +170,7 @@ def fit_table(
 
 def split_table(table: Table, x: str, y: str, group: Sequence[str]) -> list[Group]:
     """The groups of a table, in the order in which they appear."""
-    angle, value = table.numbers(x), table.numbers(y)
+    angle, value = table.numbers(x, MISSING), table.numbers(y, MISSING)
     rows = group_rows(table, group)
     return [
         (dict(zip(group, label, strict=True)), angle[chosen], value[chosen])

@@ -21,7 +21,8 @@ from app.core.index_curves import (
 )
 from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
-from app.formats.atomic import refuse_target
+from app.formats.atomic import refuse_targets
+from app.services.labels import put_labels_first
 from app.services.leaves import Row, write_table
 
 
@@ -35,11 +36,20 @@ class Group:
     angle : (n,) array
         Radians.
     values : mapping of channel to (n,) array
+    without_angle, beyond : int
+        Points that were left out before: without an angle, and beyond 80°.
     """
 
     labels: Mapping[str, str]
     angle: Floats
     values: Mapping[str, Floats]
+    without_angle: int = 0
+    beyond: int = 0
+
+    @property
+    def name(self) -> str:
+        """The labels in words."""
+        return ", ".join(text or "(empty)" for text in self.labels.values()) or "all"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +64,15 @@ class IndexAngles:
     curves : list of Row
         Per leaf and angle: measured steps, and the fitted curve.
     warnings : tuple of str
+    names : tuple of str
+        Of the leaf of each row, in words.
     """
 
     index: ChannelIndex
     rows: list[Row]
     curves: list[Row]
     warnings: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The JSON answer of ``leafscope index-angle``."""
@@ -99,29 +112,52 @@ def compare_angles(
     """
     rows: list[Row] = []
     curves: list[Row] = []
+    whose: list[Mapping[str, str]] = []
     warnings: list[str] = []
     for number, group in enumerate(groups):
         progress.report(number / len(groups), "Comparing angles")
-        said = ", ".join(group.labels.values()) or "all"
-        row: Row = dict(group.labels)
+        row = _count_points(index, group)
+        warnings += _tell_left_out(group.name, row)
         measured = bins_of_index(index, group.angle, group.values)
-        curves += _tell_curve(group.labels, "measured", measured)
+        lines = _tell_curve("measured", measured)
         row |= _tell_range("measured", measured)
         try:
             fits = {c: fit_channel(model, group.angle, group.values[c]) for c in index.channels}
             fitted = curve_of_index(index, fits)
-            curves += _tell_curve(group.labels, "fitted", fitted)
+            lines += _tell_curve("fitted", fitted)
             row |= _tell_range("fitted", fitted)
         except BadInput as error:
-            warnings.append(f"{said}: no curve: {error}")
+            warnings.append(f"{group.name}: no curve: {error}")
         try:
             row |= _measure_amplitudes(index, group, reference, holder)
         except BadInput as error:
-            warnings.append(f"{said}: no amplitude: {error}")
+            warnings.append(f"{group.name}: no amplitude: {error}")
         rows.append(row)
+        curves += lines
+        whose += [group.labels] * len(lines)
     if not rows:
         raise BadInput("There is no leaf to compare angles of.")
-    return IndexAngles(index, rows, curves, tuple(warnings))
+    labels, names = [group.labels for group in groups], tuple(group.name for group in groups)
+    rows, curves = put_labels_first(labels, rows), put_labels_first(whose, curves)
+    return IndexAngles(index, rows, curves, tuple(warnings), names)
+
+
+def _count_points(index: ChannelIndex, group: Group) -> Row:
+    """Points that nothing is told of: no angle, a steep one, or no index at a usable angle."""
+    known = np.isfinite(group.angle)
+    undefined = known & ~np.isfinite(index.evaluate(group.values))
+    return {
+        "without_angle": group.without_angle + int(np.count_nonzero(~known)),
+        "beyond_80": group.beyond,
+        "undefined": int(np.count_nonzero(undefined)),
+    }
+
+
+def _tell_left_out(name: str, counts: Row) -> list[str]:
+    words = {"without_angle": "without an angle", "beyond_80": "beyond 80°",
+             "undefined": "without the index"}  # fmt: skip
+    told = [f"{counts[key]:,} {said}" for key, said in words.items() if counts[key]]
+    return [f"{name}: points left out: {', '.join(told)}."] if told else []
 
 
 def _tell_range(name: str, curve: IndexCurve) -> Row:
@@ -134,11 +170,10 @@ def _tell_range(name: str, curve: IndexCurve) -> Row:
     }
 
 
-def _tell_curve(labels: Mapping[str, str], name: str, curve: IndexCurve) -> list[Row]:
+def _tell_curve(name: str, curve: IndexCurve) -> list[Row]:
     cells = zip(curve.angle, curve.value, curve.sigma, curve.count, strict=True)
     return [
         {
-            **labels,
             "curve": name,
             "angle_deg": _degrees(float(angle)),
             "index": _number(float(value)),
@@ -160,7 +195,6 @@ def _measure_amplitudes(
     found = measure_amplitude(group.angle, index.evaluate(group.values), mu)
     row: Row = {"index_mean": _number(found.mean), "n": found.n}
     values = index.evaluate(group.values)[np.isfinite(group.angle)]
-    row["undefined"] = int(np.count_nonzero(~np.isfinite(values)))
     low, high = _interval_of_mean(values)
     row |= {"index_mean_low": _number(low), "index_mean_high": _number(high)}
     row |= _tell_amplitude("A", found)
@@ -194,8 +228,7 @@ def _tell_amplitude(name: str, found: Amplitude) -> Row:
 
 def write_index_angles(found: IndexAngles, out: Path, curve: Path | None, overwrite: bool) -> None:
     """Write the table of leaves, and the table of curves where one is wanted."""
-    for path in filter(None, (out, curve)):
-        refuse_target(path, overwrite)
+    refuse_targets(filter(None, (out, curve)), overwrite)
     write_table(found.rows, out, overwrite)
     if curve is not None:
         write_table(found.curves, curve, overwrite)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ from app.services.index_angle import Group, IndexAngles, compare_angles
 from app.services.leaves import find_leaves, leaves_from_labels
 from app.services.opening import Opening, open_file, set_parameters
 from app.services.synthetic_footprints import index_in
-from app.services.tables import read_table
+from app.services.table_notes import tell_missing, tell_radians
+from app.services.tables import MISSING, read_table
 
 HANCOCK_NM = 1063.0
 NEAR_NM = 20.0
@@ -62,7 +64,9 @@ def _group_points(
     values = {c: project.field(scan, c, points) for c in index.channels}
     kept = angle <= STEEPEST
     values = {channel: value[kept] for channel, value in values.items()}
-    return Group({"leaf": name}, to_radians(angle[kept]), values)
+    unknown = int(np.count_nonzero(np.isnan(angle)))
+    steep = len(angle) - unknown - int(np.count_nonzero(kept))
+    return Group({"leaf": name}, to_radians(angle[kept]), values, unknown, steep)
 
 
 def group_of_scan(
@@ -78,7 +82,8 @@ def join_groups(groups: Sequence[Group]) -> Group:
     names = groups[0].values if groups else {}
     angle = np.concatenate([group.angle for group in groups])
     values = {name: np.concatenate([group.values[name] for group in groups]) for name in names}
-    return Group({"leaf": "all"}, angle, values)
+    unknown = sum(group.without_angle for group in groups)
+    return Group({"leaf": "all"}, angle, values, unknown, sum(group.beyond for group in groups))
 
 
 def index_angle_of_file(
@@ -165,8 +170,10 @@ def index_angle_of_table(
     wavelengths = dict(map(_parse_column, channels))
     chosen = choose_index(index, wavelengths)
     table = read_table(path, (angle, *wavelengths, *group))
-    angles = to_radians(table.numbers(angle))
-    values = {name: table.numbers(name) for name in wavelengths}
+    degrees = table.numbers(angle, MISSING)
+    angles = to_radians(degrees)
+    values = {name: table.numbers(name, MISSING) for name in wavelengths}
+    notes = (*tell_missing(table.name, {angle: degrees} | values), *tell_radians(angle, degrees))
     rows: dict[tuple[str, ...], list[int]] = {}
     for row in range(len(table)):
         rows.setdefault(tuple(table.columns[name][row] for name in group), []).append(row)
@@ -181,7 +188,8 @@ def index_angle_of_table(
     near = {name: abs(nm - HANCOCK_NM) for name, nm in wavelengths.items()}
     reference = min(near, key=lambda name: near[name])
     usable = reference if near[reference] <= NEAR_NM else None
-    return compare_angles(chosen, groups, model, usable, holder=True)
+    found = compare_angles(chosen, groups, model, usable, holder=True)
+    return replace(found, warnings=(*notes, *found.warnings))
 
 
 def _parse_column(text: str) -> tuple[str, float]:

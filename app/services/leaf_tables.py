@@ -42,7 +42,7 @@ def tabulate_leaves(
     BadInput
         No leaf was found.
     """
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=[opening.path])
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     rows: list[Row] = []
     for key in keys:

@@ -100,7 +100,7 @@ def tabulate_files(
     """
     from app.formats.atomic import refuse_target
 
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=[opening.path for opening in openings])
     _check(openings, wanted, label_field, by_leaf)
     project = Project()
     keys: list[str] = []

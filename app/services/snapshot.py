@@ -52,7 +52,7 @@ def snapshot_file(
     """
     if out.suffix.lower() != ".png":
         raise WrongUse(f"A picture is a .png file, not {out.name}.")
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=[opening.path])
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     for key in keys:
         prepare(project, key, (colour,), parameters or {}, progress)

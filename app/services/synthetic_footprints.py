@@ -212,7 +212,7 @@ def tabulate_spread(
 
     With a label field only points of labelled leaves count; see `spread_of_index` for the rest.
     """
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=[opening.path])
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     if len(keys) > 1:
         raise WrongUse(f"{opening.path.name} holds {len(keys)} scans; a footprint is of one.")

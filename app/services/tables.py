@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
@@ -14,6 +14,8 @@ from app.core.arrays import Floats
 from app.core.errors import BadInput
 
 SEPARATORS = (",", ";", "\t")
+MISSING = frozenset({"na", "nan", "n/a", "-"})
+"""Cells in small letters that say, beside empty ones, that a number is missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +42,8 @@ class Table:
     def __len__(self) -> int:
         return len(self.lines)
 
-    def numbers(self, column: str) -> Floats:
-        """One column as numbers, (n,); NaN where a cell is empty.
+    def numbers(self, column: str, missing: Collection[str] = ()) -> Floats:
+        """One column as numbers, (n,); NaN where a cell is empty or holds a word of `missing`.
 
         Raises
         ------
@@ -49,7 +51,10 @@ class Table:
             A cell is no number; names the line.
         """
         cells = zip(self.columns[column], self.lines, strict=True)
-        return np.array([self._parse(column, cell, line) for cell, line in cells])
+        return np.array([
+            np.nan if cell.lower() in missing else self._parse(column, cell, line)
+            for cell, line in cells
+        ])  # fmt: skip
 
     def _parse(self, column: str, cell: str, line: int) -> float:
         if not cell:

@@ -19,6 +19,7 @@ from app.model.corrections import Correction
 from app.model.leaf import Leaf, join_members
 from app.model.points import PointSet
 from app.model.project import Project
+from app.services.correction_doubts import doubt_correction
 from app.services.corrections import (
     apply_corrections,
     published_correction,
@@ -158,7 +159,12 @@ def make_corrections(
                 made.append(replace(found, least_bracket=order.least_bracket))
             else:
                 made.append(_type_in(channel.name, workflow, order))
-    return made, [text for text in map(warn_about_source, channels) if text]
+    doubts = [
+        f"{each.source}, {each.workflow}: {' '.join(said)}"
+        for each in made
+        if (said := doubt_correction(each))
+    ]
+    return made, [*filter(None, map(warn_about_source, channels)), *doubts]
 
 
 def _type_in(channel: str, workflow: str, order: Order) -> Correction:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.core.arrays import Floats, Ints
-from app.core.errors import BadInput
+from app.core.errors import BadInput, WrongUse
 from app.core.progress import QUIET, Progress
 from app.core.workflows.chain import LEAST_BRACKET, get_workflow
 from app.core.workflows.marks import GOOD
@@ -19,6 +19,7 @@ from app.model.correction_fields import MARK
 from app.model.corrections import Correction, describe_correction
 from app.model.leaf import Leaf
 from app.model.project import Project
+from app.services.correction_doubts import doubt_correction
 from app.services.corrections import (
     apply_corrections,
     correction_of_fit,
@@ -93,7 +94,9 @@ def tabulate_workflows(
     WrongUse, MissingChannel, MissingScanner
         See `app.services.corrections.apply_corrections`.
     """
-    refuse_target(out, overwrite)
+    if wanted.fit_to is None and not opening.corrections:
+        raise WrongUse("Nothing is fitted and no correction is named.", "Name one by --correct.")
+    refuse_target(out, overwrite, sources=[opening.path])
     project, keys = open_file(opening, progress.part(0.0, 0.3))
     rows: list[Row] = []
     warnings: list[str] = []
@@ -122,7 +125,8 @@ def correct_leaves(
     Returns
     -------
     list of str
-        Sentences about leaves that could not be fitted: their points are marked.
+        Sentences about leaves that could not be fitted (their points are marked), and about
+        doubtful numbers.
     """
     made, warnings = fit_corrections(project, scan, wanted, progress)
     if wanted.fit_to is None:
@@ -142,7 +146,8 @@ def fit_corrections(
     -------
     corrections : list of Correction
     warnings : list of str
-        Sentences about channels that mean little, and about leaves that could not be fitted.
+        Sentences about channels that mean little, about leaves that could not be fitted, and
+        about doubtful numbers.
     """
     state = project.state.scan(scan)
     names = wanted.channels or tuple(c.name for c in state.channels if not c.workflow)
@@ -162,13 +167,15 @@ def fit_corrections(
         try:
             record = fit_leaves(project, scan, group, model, channel)
             meant = () if wanted.fit_to == "all" and wanted.leaves is None else group
-            made.append(
-                correction_of_fit(
-                    project, record, workflow, leaves=meant, least_bracket=wanted.least_bracket
-                )
+            correction = correction_of_fit(
+                project, record, workflow, leaves=meant, least_bracket=wanted.least_bracket
             )
+            made.append(correction)
+            said = " ".join(doubt_correction(correction))
         except BadInput as error:
-            warnings.append(f"{_name(project, group)}, {channel}, {workflow}: {error}")
+            said = str(error)
+        if said:
+            warnings.append(f"{_name(project, group)}, {channel}, {workflow}: {said}")
     return made, warnings
 
 
@@ -209,7 +216,9 @@ def compare_points(project: Project, leaf: Leaf, channel: str, points: Ints) -> 
             marks = project.field(leaf.scan, name + MARK, points)
             values = project.field(leaf.scan, name, points)
             row |= _sum_up(workflow, values, int(np.count_nonzero(marks != GOOD)))
-            row[f"{workflow}_by"] = _tell(state.parameters.corrections, name, leaf.key)
+            used = _find(state.parameters.corrections, name, leaf.key)
+            row[f"{workflow}_by"] = describe_correction(used) if used else ""
+            row[f"{workflow}_words"] = " ".join(doubt_correction(used)) if used else ""
     return row
 
 
@@ -226,8 +235,8 @@ def _sum_up(workflow: str, values: Floats, marked: int) -> Row:
     }
 
 
-def _tell(corrections: Sequence[Correction], name: str, leaf: str) -> str:
-    """The correction of a leaf in words; its own goes before that of all points."""
+def _find(corrections: Sequence[Correction], name: str, leaf: str) -> Correction | None:
+    """The correction of a leaf; its own goes before that of all points."""
     own = [c for c in corrections if c.name == name and (leaf in c.leaves or not c.leaves)]
     own.sort(key=lambda c: not c.leaves)
-    return describe_correction(own[0]) if own else ""
+    return own[0] if own else None

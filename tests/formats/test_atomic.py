@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.core.errors import BadInput, Cancelled
-from app.formats.atomic import atomic_files, atomic_path, refuse_target
+from app.formats.atomic import atomic_files, atomic_path, refuse_target, refuse_targets
 
 
 def test_new_file_appears_after_the_block(tmp_path: Path) -> None:
@@ -148,3 +148,21 @@ def test_a_folder_without_permission_is_refused(
     with pytest.raises(BadInput, match="may not write"):
         refuse_target(tmp_path / "a.laz", overwrite=False)
     refuse_target(tmp_path / "later" / "a.laz", overwrite=False, folder_follows=True)
+
+
+@pytest.mark.parametrize("name", ["scan.laz", "x/../scan.laz", "link.laz", "hard.laz"])
+def test_what_is_read_is_never_replaced(tmp_path: Path, name: str) -> None:
+    source = tmp_path / "scan.laz"
+    source.write_text("measured")
+    (tmp_path / "x").mkdir()
+    (tmp_path / "link.laz").symlink_to(source)
+    (tmp_path / "hard.laz").hardlink_to(source)
+    with pytest.raises(BadInput, match="would replace the measurements"):
+        refuse_target(tmp_path / name, overwrite=True, sources=[tmp_path / "no.laz", source])
+    refuse_target(tmp_path / "other.laz", overwrite=True, sources=[source])
+
+
+def test_two_results_need_two_names(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="two results"):
+        refuse_targets([tmp_path / "a.csv", tmp_path / "x" / ".." / "a.csv"], overwrite=True)
+    refuse_targets([tmp_path / "a.csv", tmp_path / "b.csv"], overwrite=False)

@@ -13,9 +13,18 @@ from app.cli import run
 from app.core.errors import BadInput, MissingChannel, WrongUse
 from app.core.phase import get_model
 from app.formats.cloud import Cloud
+from app.model.operations import AddScan
+from app.model.project import Project
 from app.services.export import export
-from app.services.index_angle_files import index_angle_of_file, index_angle_of_table
+from app.services.index_angle import compare_angles
+from app.services.index_angle_files import (
+    group_of_scan,
+    index_angle_of_file,
+    index_angle_of_table,
+    join_groups,
+)
 from app.services.opening import Opening
+from app.services.synthetic_footprints import index_in
 from app.simulate.scenes import leaf_row_scan
 
 ANGLES = np.arange(-60.0, 61.0, 10.0)
@@ -120,3 +129,23 @@ def test_the_command_takes_tables(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "5 nm off" in said
     assert "exceeds noise" in said
     assert run([*words, "--index", "ndi", "--overwrite"]) == 2  # no channels
+
+
+def test_points_without_an_angle_or_beyond_80_degrees_are_counted() -> None:
+    project = Project()
+    key = project.shelve(leaf_row_scan(step_deg=0.06, noise_m=0.0004, seed=2))
+    project.do(AddScan(key, "row", None))
+    index = index_in(project, key, "ndi")
+    points = np.flatnonzero(project.state.scan(key).alive)
+    angle = project.field(key, "incidence", points)
+    group = group_of_scan(project, key, index)
+    assert group.beyond == np.count_nonzero(angle > 80.0) > 0
+    assert group.without_angle == np.count_nonzero(np.isnan(angle)) > 0
+    assert len(group.angle) + group.beyond + group.without_angle == len(points)
+    both = join_groups([group, group])
+    assert (both.beyond, both.without_angle) == (2 * group.beyond, 2 * group.without_angle)
+    found = compare_angles(index, [group], "fourier-2", None, holder=False)
+    assert found.rows[0]["beyond_80"] == group.beyond
+    assert found.rows[0]["without_angle"] == group.without_angle
+    left = f"{group.without_angle:,} without an angle, {group.beyond:,} beyond 80°"
+    assert f"whole scan: points left out: {left}" in found.warnings[0]

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from app.core.arrays import Floats
-from app.core.errors import WrongUse
+from app.core.errors import BadInput, WrongUse
 from app.core.fitting.block import hold_pairs
 from app.core.fitting.linear_quantile import measure_pinball, solve_quantile
 from app.core.fitting.pairs import Pairs, choose_pairs
@@ -115,23 +115,38 @@ class _EdgeSearch:
         few = slice(None, None, -(-len(pairs) // SAMPLE))
         some = pairs.angle[None, few], pairs.value[None, few], one[:, few]
         self.sample = Projection(model, *some, freedom)
-        self.guess: Floats | None = None
+        self.guess: dict[bool, Floats] = {}
 
     def solve(self, shape: float, sample: bool = False) -> tuple[float, Floats]:
         """Loss and unknowns at a shape, of all pairs or of the sample."""
         columns, target = (self.sample if sample else self.whole).tabulate(np.array([shape]))
         if not len(self.freedom.lower):
             return measure_pinball(target[0], self.tau), np.empty(0)
-        guess = None if sample else self.guess
+        guess = self.guess.get(sample)
         found = solve_quantile(columns[0], target[0], self.freedom, self.tau, guess)
-        self.guess = self.guess if sample else found
+        self.guess[sample] = found
         return measure_pinball(target[0] - found @ columns[0], self.tau), found
 
+    def measure(self, shape: float, sample: bool = False) -> float:
+        """Loss at a trial shape; infinite where none is found, so that the search goes on."""
+        try:
+            return self.solve(shape, sample)[0]
+        except BadInput:
+            return np.inf
+
     def find_shape(self) -> float:
-        """The shape with the least loss of all pairs."""
+        """The shape with the least loss of all pairs.
+
+        Raises
+        ------
+        BadInput
+            No trial shape has a curve.
+        """
         scan = self.model.search(self.pairs.angle)
         scan = scan[np.unique(np.append(np.arange(0, len(scan), STRIDE), len(scan) - 1))]
-        loss = np.array([self.solve(float(shape), sample=True)[0] for shape in scan])
+        loss = np.array([self.measure(float(shape), sample=True) for shape in scan])
+        if not np.isfinite(loss).any():
+            raise BadInput("The quantile cannot be fitted at any trial shape.")
         walled = np.concatenate(([np.inf], loss, [np.inf]))
         dips = np.flatnonzero((loss < walled[:-2]) & (loss <= walled[2:]))
         dips = dips[loss[dips] <= CLOSE * loss.min()]
@@ -142,16 +157,16 @@ class _EdgeSearch:
         """Least loss of all pairs about a trial shape, and where it is."""
         from scipy.optimize import minimize_scalar
 
-        self.guess = None
+        self.guess.pop(False, None)
         low, high = scan[max(place - 1, 0)], scan[min(place + 1, len(scan) - 1)]
         found = minimize_scalar(
-            lambda shape: self.solve(float(shape))[0],
+            lambda shape: self.measure(float(shape)),
             bounds=(low, high),
             method="bounded",
             options={"maxiter": REFINEMENTS, "xatol": 1e-8 * high},
         )
         at = [float(found.x), *(float(end) for end in (low, scan[place], high))]
-        return min((self.solve(shape)[0], shape) for shape in at)
+        return min((self.measure(shape), shape) for shape in at)
 
 
 def arrange(pairs: Pairs) -> Pairs:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from app.core.arrays import Bools, Floats
 from app.core.errors import BadInput
 from app.core.phase.model import Freedom
 
-# Pairs up to which the programme takes all of them at once.
+# Pairs up to which the programme takes all of them at once if no curve nearby is known.
 SMALL = 2000
-# Of more, so many times count^(2/3) take part, those near the last curve.
+# Near a curve that is known, so many times count^(2/3) of them take part.
 NEAR, ATTEMPTS = 2.0, 3
 # Every 10th pair tells nearly where the curve is.
 STRIDE = 10
+# Solvers and whether they look at the programme before, the fastest first.
+WAYS: tuple[tuple[Literal["highs-ds", "highs-ipm"], bool], ...] = (
+    ("highs-ds", False),
+    ("highs-ipm", True),
+    ("highs-ds", True),
+    ("highs-ipm", False),
+)
+NONE = (2, 3)
+"""Status of a programme that has no answer: the edge lies beyond all pairs that took part."""
 
 
 def measure_pinball(residual: Floats, tau: float) -> float:
@@ -35,7 +46,7 @@ def solve_quantile(
         Only the bounds, (j,), are looked at.
     tau : float
     guess : (j,) array, optional
-        A curve nearby. Of many pairs only those near it enter the programme, the others are
+        A curve nearby. Of the pairs only those near it enter the programme, the others are
         taken to stay on their side; where one does not, more enter (Portnoy and Koenker, Stat.
         Sci. 12 (1997) 279). The result is exact all the same.
 
@@ -44,18 +55,12 @@ def solve_quantile(
     (j,) array
     """
     count = target.shape[0]
-    whole = np.ones(count, np.bool_)
-    if count <= SMALL:
-        found = _solve_programme(columns, target, freedom, tau, whole, whole)
-        return _require(found)
-    if (
-        guess is not None
-        and (found := _solve_near(columns, target, freedom, tau, guess)) is not None
-    ):
-        return found
-    guess = solve_quantile(columns[:, ::STRIDE], target[::STRIDE], freedom, tau)
-    found = _solve_near(columns, target, freedom, tau, guess)
+    found = None if guess is None else _solve_near(columns, target, freedom, tau, guess)
+    if found is None and count > SMALL:
+        guess = solve_quantile(columns[:, ::STRIDE], target[::STRIDE], freedom, tau)
+        found = _solve_near(columns, target, freedom, tau, guess)
     if found is None:
+        whole = np.ones(count, np.bool_)
         found = _solve_programme(columns, target, freedom, tau, whole, whole)
     return _require(found)
 
@@ -98,8 +103,6 @@ def _solve_programme(
     max yᵀa + lower·s − upper·t with X a + s − t = 0 and s, t ≥ 0 where there are bounds; the
     unknowns are the prices of the rows.
     """
-    from scipy.optimize import linprog
-
     share = np.where(above, tau, tau - 1.0)
     settled = -np.einsum("jn,n->j", columns[:, ~inside], share[~inside])
     # Rows of equal size, which the solver's tolerances need.
@@ -111,15 +114,33 @@ def _solve_programme(
     gain = (target[inside], (freedom.lower * size)[held], -(freedom.upper * size)[capped])
     near, bounds = int(inside.sum()), int(held.sum() + capped.sum())
     limits = [(tau - 1.0, tau)] * near + [(0.0, np.inf)] * bounds
-    found = linprog(
-        -np.concatenate(gain),
-        A_eq=np.hstack(parts),
-        b_eq=settled / size,
-        bounds=limits,
-        method="highs-ds",
-        options={"presolve": False},
-    )
-    if found.status != 0:
+    prices = _price(np.concatenate(gain), np.hstack(parts), settled / size, limits)
+    if prices is None:
         return None
-    prices = -np.asarray(found.eqlin.marginals) / size
-    return np.asarray(np.clip(prices, freedom.lower, freedom.upper))
+    return np.asarray(np.clip(prices / size, freedom.lower, freedom.upper))
+
+
+def _price(
+    gain: Floats, rows: Floats, ends: Floats, limits: list[tuple[float, float]]
+) -> Floats | None:
+    """Prices of the rows of max gain·a with rows @ a = ends within limits.
+
+    The simplex of pairs that lie in clusters now and then ends in doubt, which is no answer; the
+    next way is then tried.
+    """
+    from scipy.optimize import linprog
+
+    for method, presolve in WAYS:
+        found = linprog(
+            -gain,
+            A_eq=rows,
+            b_eq=ends,
+            bounds=limits,
+            method=method,
+            options={"presolve": presolve},
+        )
+        if found.status == 0:
+            return -np.asarray(found.eqlin.marginals)
+        if found.status in NONE:
+            return None
+    return None

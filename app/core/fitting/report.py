@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.core.arrays import Floats
+from app.core.arrays import Bools, Floats
 from app.core.fitting.covariance import compute_covariance
 from app.core.fitting.open_sides import explain_open_sides
 from app.core.fitting.pairs import Pairs
@@ -69,6 +69,7 @@ def report_fit(
             *pairs.warnings,
             *more.pop("warnings", ()),
             *_explain_missing(model, values, free, deviations),
+            *(_explain_held(model, free, deviations) if squares else ()),
             *(_explain_open(model, pairs, values, rss, deviations, fixed) if squares else ()),
             *model.remark(in_units, pairs.angle, scatter, fixed),
         ),
@@ -105,7 +106,12 @@ def _covary(
         return {}
     root: Floats = np.sqrt(pairs.weight)[:, None]
     jacobian = model.jacobian(pairs.angle, values, names) * root
-    matrix = covary(jacobian)
+    # Where μ is undetermined nothing tells how the curve changes with A.
+    seen: Bools = np.isfinite(jacobian).all(axis=0) & (jacobian != 0.0).any(axis=0)
+    if not seen.any():
+        return {}
+    names = [name for name, one in zip(names, seen, strict=True) if one]
+    matrix = covary(jacobian[:, seen])
     known = np.flatnonzero(np.isfinite(np.diagonal(matrix)))
     return {names[i]: {names[j]: float(matrix[i, j]) for j in known} for i in known}
 
@@ -145,6 +151,27 @@ def _explain_open(
     return explain_open_sides(model, pairs, values, rss, deviations[model.shape], fixed)
 
 
+def _explain_held(
+    model: AngularModel, free: Sequence[Parameter], deviations: Mapping[str, float]
+) -> list[str]:
+    """A sentence where standard deviations hold what may move, at a bound or undetermined."""
+    known = [p.name for p in free if p.name in deviations]
+    held = [p.name for p in free if p.name not in deviations]
+    if not (known and held):
+        return []
+    one = len(known) == 1
+    cure = ": ask for profile intervals" if isinstance(model, PhaseModel) else ""
+    return [
+        f"The standard deviation{'' if one else 's'} of {_join(known)}"
+        f" take{'s' if one else ''} {_join(held)} as known{cure}."
+    ]
+
+
+def _join(names: Sequence[str]) -> str:
+    """``f``, ``f and k_d``, ``a, b and c``."""
+    return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
+
+
 def _explain_missing(
     model: AngularModel,
     values: dict[str, float],
@@ -157,7 +184,8 @@ def _explain_missing(
         if p not in free:
             sentences.append(f"{p.name} was held fixed.")
         elif not np.isfinite(values[p.name]):
-            sentences.append(f"{p.name} is undetermined: {model.unknown_when[p.name]}.")
+            why = model.unknown_when.get(p.name, "the data say nothing about it")
+            sentences.append(f"{p.name} is undetermined: {why}.")
         elif p.touches_bound(values[p.name]):
             sentences.append(f"{p.name} is at its bound and has no standard deviation.")
         elif p.name not in deviations:

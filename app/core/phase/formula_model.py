@@ -7,6 +7,7 @@ import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import combinations
 from typing import Any
 
 import msgspec
@@ -200,14 +201,39 @@ def _list_names(tree: ast.expr) -> list[ast.Name]:
 
 def _check_scaling(model: FormulaModel) -> None:
     """Raise `WrongUse` where doubling the scaling parameters does not double the curve."""
-    if not model.is_scaled:
-        return
+    flagged = [p.name for p in model.parameters if p.scales]
+    if flagged and not _doubles(model, flagged):
+        raise WrongUse(
+            f"Doubling {join_words(flagged)} does not double the curve.", _find_cure(model, flagged)
+        )
+
+
+def _doubles(model: FormulaModel, scaling: Sequence[str]) -> bool:
+    """Whether the curve doubles with some parameters, wherever it has a value."""
     angle = np.linspace(0.05, 1.4, 28)
     generator = np.random.default_rng(0)
     for _ in range(4):
         once = model.random(generator)
-        twice = {p.name: once[p.name] * (2.0 if p.scales else 1.0) for p in model.parameters}
+        twice = once | {name: 2.0 * once[name] for name in scaling}
         a, b = 2 * model.evaluate(angle, once), model.evaluate(angle, twice)
         if not np.allclose(a, b, rtol=EQUAL, atol=0.0, equal_nan=True):
-            scaling = ", ".join(p.name for p in model.parameters if p.scales)
-            raise WrongUse(f"Doubling {scaling} does not double the curve.", "They do not scale.")
+            return False
+    return True
+
+
+def _find_cure(model: FormulaModel, flagged: Sequence[str]) -> str:
+    """Which parameters are to scale, so that the curve does: nearest to those that were said."""
+    names = [p.name for p in model.parameters]
+    groups = [set(g) for size in range(1, len(names) + 1) for g in combinations(names, size)]
+    groups.sort(key=lambda group: len(group ^ set(flagged)))
+    cure = next((group for group in groups if _doubles(model, list(group))), None)
+    if cure is None:
+        return "No choice of its parameters scales it: let none scale."
+    one = len(cure) == 1
+    said = join_words([name for name in names if name in cure])
+    return f"Let {said} scale with the data, and {'it' if one else 'them'} alone."
+
+
+def join_words(names: Sequence[str]) -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

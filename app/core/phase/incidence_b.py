@@ -35,8 +35,10 @@ class IncidenceB(PhaseModel):
         return np.zeros(np.shape(angle)), -np.sin(angle)
 
     def coefficients(self, values: Mapping[str, Any]) -> Floats:
-        """A and a·b."""
-        return pile([values["a"], values["a"] * values["b"]])
+        """A and a·b; without any a there is no b, and no product either."""
+        a = np.asarray(values["a"])
+        b = np.where(a == 0.0, 0.0, values.get("b", np.nan))
+        return pile([a, a * b])
 
     def coefficient_slopes(self, values: Mapping[str, Any]) -> Floats:
         """d(a, a·b) / d(a, b)."""

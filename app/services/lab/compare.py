@@ -45,7 +45,9 @@ class ModelRow:
     weight : float or None
         Akaike weight by AICc.
     best : bool
-        It has the least AICc.
+        It has the least AICc; of exact models the fewest parameters.
+    exact : bool
+        It runs through all points but for rounding: no criterion ranks it.
     result : FitResult or None
     words : tuple of str
         Warnings of the fit, or why there is none.
@@ -66,6 +68,7 @@ class ModelRow:
     bic_above: float | None
     weight: float | None
     best: bool
+    exact: bool
     result: FitResult | None
     words: tuple[str, ...]
 
@@ -84,7 +87,7 @@ class ModelTable:
 
     @property
     def best(self) -> ModelRow | None:
-        """The model with the least AICc; None where no model could be fitted."""
+        """The best model; None where none could be fitted, or the note tells why none is named."""
         return next((row for row in self.rows if row.best), None)
 
     def as_rows(self) -> list[dict[str, Any]]:
@@ -126,11 +129,9 @@ def compare(
         means = average_bins("lambert", angle, chosen, float(to_radians(method.width)))
         angle, chosen, weights = means.angle, means.value, means.weights
     rows = compare_models(known, angle, chosen, weights=weights, progress=progress)
-    best = next((row.model for row in rows if row.aicc_above == 0.0), None)
-    table = tuple(
-        _describe(model, row, row.model == best) for model, row in zip(known, rows, strict=True)
-    )
-    return ModelTable(table, _note(method, len(angle)))
+    table = tuple(_describe(model, row) for model, row in zip(known, rows, strict=True))
+    notes = (_tell_exact(table), _tell_crowded(known, rows), _note(method, len(angle)))
+    return ModelTable(table, " ".join(filter(None, notes)))
 
 
 def _find_all(models: Sequence[AnyModel] | None) -> list[PhaseModel | FormulaModel]:
@@ -140,8 +141,8 @@ def _find_all(models: Sequence[AnyModel] | None) -> list[PhaseModel | FormulaMod
     return [find_model(model) for model in models]
 
 
-def _describe(model: PhaseModel | FormulaModel, row: Comparison, best: bool) -> ModelRow:
-    r = row.result
+def _describe(model: PhaseModel | FormulaModel, row: Comparison) -> ModelRow:
+    r, told = row.result, row.result if not row.exact else None
     return ModelRow(
         model=row.model,
         title=model.title,
@@ -150,16 +151,42 @@ def _describe(model: PhaseModel | FormulaModel, row: Comparison, best: bool) -> 
         rss=r.rss if r else None,
         rmse=r.rmse if r else None,
         r2=r.r2 if r else None,
-        aic=r.aic if r else None,
-        aicc=r.aicc if r else None,
-        bic=r.bic if r else None,
+        aic=told.aic if told else None,
+        aicc=told.aicc if told else None,
+        bic=told.bic if told else None,
         aic_above=row.aic_above,
         aicc_above=row.aicc_above,
         bic_above=row.bic_above,
         weight=row.weight,
-        best=best,
+        best=row.best,
+        exact=row.exact,
         result=r,
         words=row.words,
+    )
+
+
+def _tell_exact(rows: Sequence[ModelRow]) -> str:
+    exact = [row for row in rows if row.exact]
+    if not exact:
+        return ""
+    names, best = "; ".join(row.title for row in exact), next((r for r in exact if r.best), None)
+    if len(exact) == 1:
+        return f"{names} runs through all points exactly: criteria cannot rank the models."
+    simplest = (
+        f"{best.title} has the fewest parameters."
+        if best
+        else "None of these has fewer parameters than all others."
+    )
+    return f"{names} run through all points exactly: criteria cannot rank the models. {simplest}"
+
+
+def _tell_crowded(models: Sequence[PhaseModel | FormulaModel], rows: Sequence[Comparison]) -> str:
+    crowded = [model.title for model, row in zip(models, rows, strict=True) if row.crowded]
+    if not crowded or any(row.exact for row in rows):
+        return ""
+    return (
+        f"Too few pairs for the parameters of {'; '.join(crowded)}. Without AICc of all models"
+        " there are no weights and no best."
     )
 
 

@@ -16,8 +16,9 @@ from app.model.fit_method import Method
 from app.services.fit import POINTS, FitReport, fit_groups
 from app.services.lab.compare import ModelTable, compare
 from app.services.lab.gather import Measured
-from app.services.lab.own_models import AnyModel
+from app.services.lab.own_models import AnyModel, find_model
 from app.services.lab.uncertainty import IntervalRow, bootstrap, profile
+from app.services.table_notes import tell_negative
 
 Labels = Mapping[str, str]
 NONE = np.empty(0, np.int64)
@@ -34,12 +35,15 @@ class PairGroup:
         Angles in degrees.
     leaf : (n,) array of int
         Number of the leaf of each pair, for a bootstrap; empty where nobody asks.
+    notes : tuple of str
+        What is to be said of the table that they come from.
     """
 
     labels: Labels
     angle: Floats
     value: Floats
     leaf: Ints = field(default_factory=lambda: NONE)
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +97,13 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class LabReport:
-    """What was found of all groups, each in the order of the groups."""
+    """What was found of all groups, each in the order of the groups; notes are of all of them."""
 
     fits: FitReport
     comparisons: tuple[tuple[Labels, ModelTable | str], ...] = ()
     profiles: tuple[Asked, ...] = ()
     bootstraps: tuple[Asked, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The JSON answer of the commands that fit."""
@@ -108,7 +113,7 @@ class LabReport:
                 entry[name] = one.as_dict()
         if self.comparisons:
             found["comparisons"] = [_compared(*one) for one in self.comparisons]
-        return found
+        return found | {"notes": list(self.notes)}
 
 
 def _compared(labels: Labels, table: ModelTable | str) -> dict[str, Any]:
@@ -132,13 +137,23 @@ def carry_out(
     shares = iter([progress.part(k / count, (k + 1) / count) for k in range(count)])
     part, model = next(shares), order.model
     tables = _compare_all(groups, order, next(shares)) if order.compare else ()
+    notes = _take_notes(groups, order)
     if model is None:
-        return LabReport(FitReport((), order.method), tables)
+        return LabReport(FitReport((), order.method), tables, notes=notes)
     sets = [(group.labels, group.angle, group.value) for group in groups]
     fits = fit_groups(sets, model, method=order.method, fixed=order.fixed, progress=part)
     profiles = _profile_all(groups, model, order, next(shares)) if order.profile else ()
     draws = _bootstrap_all(groups, model, order, next(shares)) if order.trials is not None else ()
-    return LabReport(fits, tables, profiles, draws)
+    return LabReport(fits, tables, profiles, draws, notes)
+
+
+def _take_notes(groups: Sequence[PairGroup], order: FitOrder) -> tuple[str, ...]:
+    """What is to be said of the pairs, each sentence once."""
+    notes = dict.fromkeys(note for group in groups for note in group.notes)
+    turned = order.model is not None and find_model(order.model).accepts(np.array([-0.1])).all()
+    for group in () if turned else groups:
+        notes |= dict.fromkeys(tell_negative(group.angle))
+    return tuple(notes)
 
 
 Each = Iterator[tuple[PairGroup, Progress]]

@@ -18,7 +18,8 @@ from app.services.lab.gather import gather
 from app.services.lab.orders import PairGroup
 from app.services.leaves import find_leaves, leaves_from_labels
 from app.services.opening import Opening, open_file, set_parameters
-from app.services.tables import read_table
+from app.services.table_notes import tell_missing, tell_radians
+from app.services.tables import MISSING, read_table
 
 Leaves = Literal["each", "together", "scan"]
 TOGETHER, WHOLE = "all leaves", "whole scan"
@@ -46,15 +47,17 @@ def groups_of_table(
     """
     own = (leaf,) if leaf is not None else ()
     table = read_table(path, (x, y, *group, *own))
-    angle, value = table.numbers(x), table.numbers(y)
+    angle, value = table.numbers(x, MISSING), table.numbers(y, MISSING)
     for name, numbers in ((x, angle), (y, value)):
         if not np.isfinite(numbers).any():
             raise BadInput(f"{table.name} holds no number in column {name!r}.")
     number = np.unique(table.columns[leaf], return_inverse=True)[1] if leaf is not None else None
+    notes = (*tell_missing(table.name, {x: angle, y: value}), *tell_radians(x, angle))
+    none = np.empty(0, np.int64)
     return [
         PairGroup(
             dict(zip(group, label, strict=True)), angle[rows], value[rows],
-            *(() if number is None else (number[rows],)),
+            none if number is None else number[rows], notes,
         )
         for label, rows in group_rows(table, group).items()
     ]  # fmt: skip

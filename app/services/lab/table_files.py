@@ -15,6 +15,7 @@ from app.formats.atomic import atomic_path, refuse_target
 from app.services.fit import FitReport, GroupFit, criteria_of
 from app.services.lab.latex import as_latex
 from app.services.lab.wide_table import Block, arrange_blocks
+from app.services.labels import name_apart
 
 Kind = Literal["csv", "tsv", "tex", "json"]
 KINDS: dict[str, Kind] = {".csv": "csv", ".tsv": "tsv", ".tex": "tex", ".json": "json"}
@@ -74,11 +75,12 @@ def fits_as_text(report: FitReport, kind: Kind, wide: bool = False) -> str:
 def _list_long(report: FitReport) -> list[list[Any]]:
     """A row per parameter of each fit."""
     labels = list(report.fits[0].group)
-    head = [
-        *labels, "model", "fitted_to", "parameter", "value", "sd", "low_95", "high_95", "unit",
+    results = [
+        "model", "fitted_to", "parameter", "value", "sd", "low_95", "high_95", "unit",
         "at_bound", "fixed", "n", "rss", "rmse", "r2", "aic", "aicc", "bic", "angle_min_deg",
         "angle_max_deg", "notes",
     ]  # fmt: skip
+    head = [*name_apart(labels, results), *results]
     return [head, *(row for one in report.fits for row in _rows_of(one, labels))]
 
 
@@ -105,7 +107,8 @@ def _rows_of(one: GroupFit, labels: Sequence[str]) -> list[list[Any]]:
 def _list_wide(blocks: Sequence[Block]) -> list[list[Any]]:
     """Blocks one below the other: values, then standard deviations, of one parameter."""
     first = blocks[0]
-    rows: list[list[Any]] = [["parameter", "quantity", first.down, *first.columns]]
+    head = ["parameter", "quantity"]
+    rows: list[list[Any]] = [[*head, *name_apart([first.down, *first.columns], head)]]
     for block in blocks:
         for quantity in ("value", "sd"):
             for name, cells in block.rows:

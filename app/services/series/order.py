@@ -76,6 +76,12 @@ class SeriesOrder:
         """How one of the files is read."""
         return replace(self.opening, path=file)
 
+    def sources(self) -> list[Path]:
+        """Every file that may be read: scans, leaves, and tables of angles and times."""
+        told = (self.leaves, self.angle_from, self.time_from, self.reference)
+        files = list_scans(self.files) if self.files else []
+        return [*files, *(Path(text) for text in told if text is not None)]
+
 
 def list_scans(paths: Sequence[Path]) -> list[Path]:
     """Scans of files and folders, in the order of the numbers in their names.

@@ -128,8 +128,9 @@ def tabulate_series(
         The scans, what they are, the leaves, or the axis cannot be understood.
     Cancelled
     """
-    refuse_target(out, overwrite)
+    refuse_target(out, overwrite, sources=order.sources())
     run = _prepare(order, progress.part(0.0, 0.1))
+    refuse_target(out, overwrite, sources=[each.file for each in run.understood.entries])
     run.axis = _choose_axis(run, progress.part(0.1, 0.5))
     _measure(run, out, progress.part(0.5, 1.0))
     warnings = [*run.reference.warnings, *(f"{file}: {why}" for file, why in run.unread.items())]

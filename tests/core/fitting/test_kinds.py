@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import partial
 
 import numpy as np
 import pytest
@@ -247,3 +248,97 @@ def test_kinds_survive_json(make) -> None:
     angle, value = make_cloud(300, 11)
     result = make(BECKMANN, angle, value)
     assert FitResult.from_dict(result.as_dict()) == result
+
+
+def make_clusters(seed: int) -> tuple[Floats, Floats]:
+    """Points of six leaves that differ in brightness, without a peak."""
+    rng = np.random.default_rng(seed)
+    angle = to_radians(rng.uniform(0, 75, 480))
+    bright = rng.choice(rng.normal(1, 0.05, 6), 480)
+    return angle, 5 * np.cos(angle) * bright + rng.normal(0, 0.15, 480)
+
+
+def test_a_solver_in_doubt_is_not_the_last_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The simplex gives up at every third programme; the edge must stay the same."""
+    import scipy.optimize
+
+    angle, value = make_clusters(1)
+    expected = fit_edge(BECKMANN, angle, value, tau=0.9)
+    solver, calls = scipy.optimize.linprog, itertools.count()
+
+    def doubt(*args, method, **more):
+        found = solver(*args, method=method, **more)
+        if method == "highs-ds" and next(calls) % 3 == 0:
+            found.status = 4
+        return found
+
+    monkeypatch.setattr(scipy.optimize, "linprog", doubt)
+    found = fit_edge(BECKMANN, angle, value, tau=0.9)
+    losses = [measure_pinball(value - r.evaluate(angle), 0.9) for r in (found, expected)]
+    assert losses[0] == pytest.approx(losses[1], rel=1e-6)
+    assert next(calls) > 50
+
+
+def test_a_trial_shape_without_an_answer_does_not_end_the_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from app.core.fitting import edge
+
+    angle, value = make_cloud(300, 2)
+    expected = fit_edge(BECKMANN, angle, value, tau=0.9).values
+    calls = itertools.count()
+
+    def fail(*args):
+        if next(calls) < failures:
+            raise BadInput("The linear programme has no answer.")
+        return solve_quantile(*args)
+
+    monkeypatch.setattr(edge, "solve_quantile", fail)
+    failures = 5
+    assert fit_edge(BECKMANN, angle, value, tau=0.9).values == pytest.approx(expected, rel=1e-4)
+    calls, failures = itertools.count(), 10_000
+    with pytest.raises(BadInput, match="any trial shape"):
+        fit_edge(BECKMANN, angle, value, tau=0.9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_edges_of_clusters_are_best_among_all_shapes(seed: int) -> None:
+    """Against the primal programme, solved by another method, at many shapes."""
+    from scipy.optimize import linprog
+
+    angle, value = make_clusters(seed)
+    result = fit_edge(BECKMANN, angle, value, tau=0.95)
+    count = len(angle)
+    sides = np.hstack((np.eye(count), -np.eye(count)))
+    cost = np.concatenate(([0.0, 0.0], np.full(count, 0.95), np.full(count, 0.05)))
+    for m in np.geomspace(0.01, 1.0, 8):
+        rows = np.hstack((np.array(BECKMANN.basis(angle, m)).T, sides))
+        best = linprog(cost, A_eq=rows, b_eq=value, method="highs-ipm")
+        assert best.status == 0
+        assert measure_pinball(value - result.evaluate(angle), 0.95) <= best.fun * (1 + 1e-6)
+
+
+SPIKES = {
+    "zeros": np.zeros(68),
+    "constant": np.full(68, 3.0),
+    "below zero": np.full(68, -3.0),
+    "one": np.eye(68)[17],
+    "first": np.eye(68)[0],
+    "last below zero": -5.0 * np.eye(68)[67],
+}
+
+
+@pytest.mark.parametrize("values", SPIKES.values(), ids=SPIKES.keys())
+@pytest.mark.parametrize("name", list(MODELS))
+@pytest.mark.parametrize(
+    "make",
+    [fit, fit_bins, fit_edge, fit_robust, partial(fit_robust, loss="tukey"), fit_trust_region],
+    ids=["fit", "bins", "edge", "huber", "tukey", "trust region"],
+)
+def test_values_that_say_little_are_fitted_in_words(make, name: str, values: Floats) -> None:
+    angle = to_radians(np.repeat(np.arange(0.0, 81.0, 5.0), 4))
+    result = make(name, angle, values)
+    assert np.isfinite(result.rss)
+    for p, estimate in result.parameters.items():
+        undetermined = any(word.startswith(f"{p} is undetermined: ") for word in result.warnings)
+        assert undetermined == (estimate.value is None)

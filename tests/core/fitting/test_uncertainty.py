@@ -11,6 +11,7 @@ from app.core.errors import BadInput, WrongUse
 from app.core.fitting import fit, fit_many
 from app.core.fitting.bootstrap import bootstrap_leaves
 from app.core.fitting.profile import profile_intervals
+from app.core.fitting.robust import fit_robust
 from app.core.fitting.selection import compare_models
 from app.core.phase import MODELS
 from app.core.units import to_radians
@@ -240,3 +241,51 @@ def test_an_interval_ends_at_the_bound() -> None:
     ends = fit_many(BECKMANN, STEPS, value + noise).intervals()[:, 1]
     assert np.nanmax(ends) == 1.0
     assert np.nanmin(ends) >= 0.0
+
+
+def test_deviations_that_hold_a_parameter_at_its_bound_say_so() -> None:
+    noise = 0.01 * np.random.default_rng(0).standard_normal((20, 17))
+    at_bound = fit_many(BECKMANN, STEPS, np.cos(STEPS) + noise).at_bound[:, 1]
+    value = np.cos(STEPS) + noise[np.argmax(at_bound)]
+    said = "The standard deviation of f takes k_d and m as known: ask for profile intervals."
+    assert fit(BECKMANN, STEPS, value).warnings.count(said) == 1
+    rough = BECKMANN.evaluate(STEPS, {"f": 1.0, "k_d": 0.4, "m": 1.0}) + 0.05 * np.sin(STEPS)
+    result = fit(BECKMANN, STEPS, rough)
+    assert result.parameters["m"].at_bound
+    assert any(
+        word.startswith("The standard deviations of f and k_d take m as known")
+        for word in result.warnings
+    )
+    inside = BECKMANN.evaluate(STEPS, {"f": 1.0, "k_d": 0.5, "m": 0.3}) + noise[0]
+    others = (fit(BECKMANN, STEPS, inside), fit_robust(BECKMANN, STEPS, value))
+    assert not any("as known" in word for result in others for word in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("value", "best"),
+    [(np.cos(STEPS), "lambert"), (np.full(17, 3.0), "incidence-b"), (np.zeros(17), "lambert")],
+)
+def test_the_simplest_exact_model_is_best(value: np.ndarray, best: str) -> None:
+    rows = {c.model: c for c in compare_models(list(MODELS), STEPS, value)}
+    assert [name for name, row in rows.items() if row.best] == [best]
+    assert rows[best].exact
+    assert all(row.weight is None and row.aicc_above is None for row in rows.values())
+    assert rows["fourier-2"].exact == (best != "lambert" or not value.any())
+
+
+def test_equally_simple_exact_models_are_not_ranked() -> None:
+    value = MODELS["cosine"].evaluate(STEPS, {"A": 0.2, "mu": 10.0, "nu": 0.3})
+    rows = compare_models(["cosine", "lambert", "cosine"], STEPS, value)
+    assert [row.exact for row in rows] == [True, False, True]
+    assert not any(row.best for row in rows)
+
+
+def test_few_pairs_do_not_make_the_rest_win() -> None:
+    value = np.cos(STEPS) + 0.05 * np.random.default_rng(0).standard_normal(17)
+    for count, crowded in ((8, {"fourier-2"}), (7, {"fourier-2", "polynomial-4"}), (9, set())):
+        rows = compare_models(list(MODELS), STEPS[:count], value[:count])
+        assert {row.model for row in rows if row.crowded} == crowded
+        for row in rows:
+            assert (row.weight is None) == bool(crowded)
+            assert row.bic_above is not None
+        assert sum(row.best for row in rows) == (not crowded)

@@ -189,3 +189,32 @@ def test_a_formula_takes_part_where_it_can_and_is_refused_in_words_elsewhere() -
     for refuse in (fit_edge, fit_robust, fit_trust_region, profile_intervals):
         with pytest.raises(WrongUse, match="points or to bins"):
             refuse(model, angle, value)  # type: ignore[arg-type]
+
+
+def scaling(expression: str, *names: str) -> FormulaDefinition:
+    """Parameters a, b and c, of which some are said to scale."""
+    plain = expression.replace("cos", "").replace("omega", "")
+    used = [name for name in "abc" if name in plain]
+    return FormulaDefinition(
+        "mine",
+        expression,
+        tuple(FormulaParameter(name, (0.1, 1.0), scales=name in names) for name in used),
+    )
+
+
+@pytest.mark.parametrize(
+    ("expression", "said", "cure"),
+    [
+        ("a*cos(omega) + b", ("a",), "Let a and b scale with the data, and them alone."),
+        ("a*cos(omega)**b", ("a", "b"), "Let a scale with the data, and it alone."),
+        ("a*cos(omega)**b", ("b",), "Let a scale with the data, and it alone."),
+        ("a*cos(omega) + b + c", ("b",), "Let a, b and c scale with the data, and them alone."),
+        ("cos(omega)**a", ("a",), "No choice of its parameters scales it: let none scale."),
+    ],
+)
+def test_what_does_not_scale_says_what_would(
+    expression: str, said: tuple[str, ...], cure: str
+) -> None:
+    with pytest.raises(WrongUse) as caught:
+        make_formula_model(scaling(expression, *said))
+    assert caught.value.hint == cure

@@ -95,3 +95,25 @@ def test_profiles_say_what_the_data_do_not_limit() -> None:
     ):
         with pytest.raises(WrongUse, match=says):
             profile(method, model, ANGLE, VALUE)
+
+
+def test_exact_models_are_named_and_not_ranked() -> None:
+    table = compare(ANGLE, np.cos(np.deg2rad(ANGLE)))
+    assert table.best is not None
+    assert table.best.model == "lambert"
+    assert table.best.exact
+    assert (table.best.aic, table.best.weight) == (None, None)
+    assert "Lambert has the fewest parameters" in table.note
+    one = compare(ANGLE, np.cos(np.deg2rad(ANGLE)), ["lambert", "cosine"])
+    assert one.note.startswith("Lambert runs through all points exactly")
+    two = compare(ANGLE, np.ones(len(ANGLE)), ["cosine", "cosine"])
+    assert two.best is None
+    assert "None of these has fewer" in two.note
+
+
+def test_too_few_pairs_for_some_are_told() -> None:
+    table = compare(ANGLE[:160:20], VALUE[:160:20])
+    assert table.best is None
+    assert table.note.startswith("Too few pairs for the parameters of Fourier")
+    assert table.note.endswith("no weights and no best.")
+    assert all(row.weight is None for row in table.rows)
