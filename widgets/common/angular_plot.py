@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from app.core.arrays import Bools
@@ -23,7 +23,9 @@ LEGEND_LINE = 1.25
 """Height of a line of the legend in heights of the font."""
 MOST_HEADROOM = 0.45
 TICKS = range(0, 91, 15)
-LINES, AXIS, STRETCH = 18, 4.2, 3
+LINES, AXIS, STRETCH = 9, 4.2, 3
+ROOM_FOR_STRIP, ROOM_FOR_LEGEND = 16, 12
+"""Heights in heights of the font below which these leave their room to the curve."""
 ANY_HEIGHT = 16_777_215.0
 OWN_KEYS = (Qt.Key.Key_Escape, Qt.Key.Key_Home)
 NARROW = 30
@@ -61,6 +63,8 @@ class AngularPlot(Plot):
         self._items: list[SeriesItems] = [SeriesItems(self)]
         self._legend = self.addLegend(offset=(-4, 4), verSpacing=-4, colCount=1)
         self._range: tuple[float, float, int] | None = None
+        self._fitted = (0.0, 1.0)
+        self._strip_wanted = True
         self.strip = ResidualStrip(self, self.tr("Residual"))
         self._rows = pg.GraphicsLayout()
         self._stack()
@@ -87,11 +91,21 @@ class AngularPlot(Plot):
         return fit_to_paper(series.colour, self.palette().base().color())
 
     def show_strip(self, wanted: bool) -> None:
-        """Show the residuals below the plot, or not."""
-        self.strip.setVisible(wanted)
+        """Show the residuals below the plot, or not; in a low plot they have no room."""
+        self._strip_wanted = wanted
+        self._make_room_for_strip()
+
+    def _make_room_for_strip(self) -> None:
+        lines = self.height() / self._em
+        # A legend of two lines would cover the points of a low plot.
+        self._legend.setVisible(lines >= ROOM_FOR_LEGEND or len(self._series) > 1)
+        shown = self._strip_wanted and lines >= ROOM_FOR_STRIP
+        if shown == self.strip.isVisible():
+            return
+        self.strip.setVisible(shown)
         # A hidden row keeps its height otherwise.
-        self._rows.layout.setRowMaximumHeight(1, ANY_HEIGHT if wanted else 0.0)
-        if wanted:
+        self._rows.layout.setRowMaximumHeight(1, ANY_HEIGHT if shown else 0.0)
+        if shown:
             self.strip.show_series(self._series)
             self.strip.move_curve(self._shape)
 
@@ -105,6 +119,7 @@ class AngularPlot(Plot):
         for items, one in zip(self._items, self._series, strict=True):
             items.show(one, self.colour_of(one), strong=items is self._items[0])
         self._draw_points()
+        self._make_room_for_strip()
         self._fit_height()
         if self.strip.isVisible():
             self.strip.show_series(self._series)
@@ -119,9 +134,8 @@ class AngularPlot(Plot):
         x, y = self._items[0].show_shape(shape)
         scatter = None if shape is None else shape.scatter
         shown = scatter is not None and len(x) > 0
-        if shown != self._band.isVisible():
-            self._band.setVisible(shown)
-            self._name_items(shown)
+        self._band.setVisible(shown)
+        self._name_items()
         if scatter is not None and shown:
             self._low.setData(x, y - scatter)
             self._high.setData(x, y + scatter)
@@ -161,6 +175,23 @@ class AngularPlot(Plot):
         if self._built and getattr(self, "_rows", None) is not None:
             self.strip.restyle()
             self.show_series(self._series)
+
+    @property
+    def _em(self) -> int:
+        return int(self.fontMetrics().height())
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """Low: it takes what others leave. The picture's own hint would keep what it once had."""
+        return QSize(24 * self._em, self.minimumHeight())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Leave the residuals out where there is no room."""
+        super().resizeEvent(event)
+        if self._built and getattr(self, "_rows", None) is not None:
+            self._make_room_for_strip()
+            if np.allclose(self.viewRange()[1], self._fitted, rtol=1e-6):  # not zoomed meanwhile
+                self._range = None
+                self._fit_height()
 
     def event(self, event: QEvent) -> bool:
         """Keep the keys that mean something here from the window's shortcuts."""
@@ -204,7 +235,7 @@ class AngularPlot(Plot):
         band = self.colour_of(self._series[0])
         band.setAlphaF(0.2)
         self._band.setBrush(band)
-        self._name_items(self._band.isVisible())
+        self._name_items()
         mark = (points, ink.name())
         if mark == self._drawn:
             return
@@ -224,18 +255,20 @@ class AngularPlot(Plot):
         filled = [s.points for s in self._series if s.points.count]
         bottom = min((p.bottom for p in filled), default=0.0)
         top = max((p.top for p in filled), default=1.0)
-        wanted = (bottom, top, len(self._series))
+        wanted = (bottom, top, len(self._series) if self._legend.isVisible() else 0)
         if wanted == self._range:
             return
         self._range = wanted
-        lines = max(len(self._series), 2)
+        lines = max(len(self._series), 2) if self._legend.isVisible() else 0
         line = LEGEND_LINE * self.fontMetrics().height()
         share = min((lines + 0.5) * line / max(self.box.height(), line), MOST_HEADROOM)
         height = max(top - bottom, 1e-12) / (1.0 - share)
-        self.setYRange(bottom, bottom + height, padding=0.0)
+        self._fitted = bottom, bottom + height
+        self.setYRange(*self._fitted, padding=0.0)
 
-    def _name_items(self, banded: bool) -> None:
-        names = (banded, self.ink.name(), [(s.title, s.number) for s in self._series])
+    def _name_items(self) -> None:
+        fitted = self._shape is None or self._shape.scatter is not None
+        names = (fitted, self.ink.name(), [(s.title, s.number) for s in self._series])
         if names == self._named:
             return
         self._named = names
@@ -246,7 +279,7 @@ class AngularPlot(Plot):
         self._legend.setBrush(ground)
         if len(self._series) <= 1:
             self._legend.setColumnCount(1)
-            curve = self.tr("curve ± RMSE") if banded else self.tr("curve")
+            curve = self.tr("curve ± RMSE") if fitted else self.tr("curve, not fitted")
             self._legend.addItem(self.curve, curve)
             self._legend.addItem(self.means, self.tr("mean ± sd per 5°"))
             return

@@ -16,6 +16,7 @@ from widgets.common.angular_plot import AngularPlot
 from widgets.common.angular_points import NO_POINTS, AngularPoints
 from widgets.common.lab.plots_view import PlotsView
 from widgets.common.lab.series import Shape
+from widgets.common.lab.start import start_curve
 from widgets.common.numbers import show_count, show_number
 from widgets.common.parameter_rows import ParameterRows
 
@@ -46,6 +47,7 @@ class CurveEditor(QWidget):
         self._model: AngularModel | None = None
         self._wanted: Mapping[str, float] | None = None
         self._rows_for: tuple[AngularModel, float] | None = None
+        self._start: tuple[AngularModel, AngularPoints, dict[str, float]] | None = None
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         for widget in (self.stale, self.rows, self.facts, self.warnings, self.formula):
@@ -115,7 +117,7 @@ class CurveEditor(QWidget):
         if self._rows_for != (self._model, size):
             self.rows.show_model(self._model, size)
             self._rows_for = (self._model, size)
-        values = self._wanted or self._model.start_values(size)
+        values = self._wanted or self._find_start(self._model)
         result = self.result
         self.rows.show_values(
             values,
@@ -124,6 +126,12 @@ class CurveEditor(QWidget):
             flying,
         )
         self._plots.move_curve(self.shape)
+
+    def _find_start(self, model: AngularModel) -> dict[str, float]:
+        """Where the curve starts; found once for these points."""
+        if self._start is None or self._start[:2] != (model, self.points):
+            self._start = model, self.points, start_curve(model, self.points)
+        return self._start[2]
 
     def _on_moved(self, values: dict[str, float]) -> None:
         fitted, self.result, self._wanted = self.result, None, values

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 MOST_DOTS = 20_000
 LINES = 14
+LEGEND_LINES = 1.6
 ORANGE, GREEN = "#e69f00", "#009e73"
 
 
@@ -78,6 +79,17 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         """A line of that colour."""
         style = pg.QtCore.Qt.PenStyle.DashLine if dashed else pg.QtCore.Qt.PenStyle.SolidLine
         return pg.mkPen(colour, width=width, style=style)
+
+    def add_legend_above(self, columns: int) -> pg.LegendItem:
+        """A legend of one line in a row of its own above the data, which it never covers."""
+        legend = pg.LegendItem(colCount=columns, labelTextSize="9pt")
+        legend.layout.setContentsMargins(0, 0, 0, 0)
+        legend.setParentItem(self.plotItem)
+        legend.anchor((0.5, 0.0), (0.5, 0.0), offset=(0, 0))
+        left, _, right, bottom = self.plotItem.layout.getContentsMargins()
+        room = LEGEND_LINES * self.fontMetrics().height()
+        self.plotItem.layout.setContentsMargins(left, room, right, bottom)
+        return legend
 
     def dot_size(self) -> float:
         """Size of a dot that suits the font."""

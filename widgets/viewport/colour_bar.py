@@ -29,6 +29,8 @@ from widgets.viewport.histogram import Histogram, count_values
 from widgets.viewport.overlay import PANELS
 
 Handle = Literal["low", "high"]
+WIDE, NARROW = 9.5, 5.0
+"""Widths in heights of the font."""
 SMALLEST_SPAN = 0.005  # of the scale: the handles never cross
 
 
@@ -50,6 +52,7 @@ class ColourBarWidget(QWidget):
         self._histogram = Histogram.empty()
         self._background: Background = "light"
         self._held: Handle | None = None
+        self._narrow = False
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
@@ -82,10 +85,20 @@ class ColourBarWidget(QWidget):
         self._background = background
         self.update()
 
+    def set_narrow(self, narrow: bool) -> None:
+        """Leave the histogram out, so that a small picture keeps its room."""
+        self._narrow = narrow
+        self.update()
+
+    @property
+    def narrow(self) -> bool:
+        """Whether the histogram is left out."""
+        return self._narrow
+
     def sizeHint(self) -> QSize:  # noqa: N802
         """Wide enough for a title line, as high as the parent gives."""
         em = QFontMetricsF(self.font()).height()
-        return QSize(round(9.5 * em), round(22 * em))
+        return QSize(round((NARROW if self._narrow else WIDE) * em), round(22 * em))
 
     # Geometry
 
@@ -93,7 +106,9 @@ class ColourBarWidget(QWidget):
         """Where the coloured strip is, in logical pixels."""
         em = QFontMetricsF(self.font()).height()
         top = 0.8 * em + self._title_height() + 0.9 * em
-        return QRectF(4.0 * em, top, 0.9 * em, self.height() - top - 1.2 * em)
+        return QRectF(
+            (0.9 if self._narrow else 4.0) * em, top, 0.9 * em, self.height() - top - 1.2 * em
+        )
 
     def position_of(self, value: float) -> float:
         """Height y of a value in logical pixels."""
@@ -119,8 +134,13 @@ class ColourBarWidget(QWidget):
     def _title_height(self) -> float:
         width = self.width() - QFontMetricsF(self.font()).height()
         room = QRectF(0, 0, width, 1000)
-        flags = Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
+        flags = Qt.AlignmentFlag.AlignLeft | self._wrapping
         return QFontMetricsF(self.font()).boundingRect(room, flags, self._title()).height()
+
+    @property
+    def _wrapping(self) -> Qt.TextFlag:
+        # Names of fields are long words; in a narrow bar they break anywhere.
+        return Qt.TextFlag.TextWrapAnywhere if self._narrow else Qt.TextFlag.TextWordWrap
 
     def _title(self) -> str:
         return title_of(self._bar) if self._bar is not None else ""
@@ -189,7 +209,7 @@ class ColourBarWidget(QWidget):
         painter.fillPath(panel, PANELS[self._background])
         painter.setPen(ink)
         room = QRectF(0.5 * em, 0.7 * em, self.width() - em, self._title_height() + 2)
-        painter.drawText(room, Qt.TextFlag.TextWordWrap, self._title())
+        painter.drawText(room, self._wrapping, self._title())
         if self._bar.kind in ANSWERS:
             self._paint_answers(painter, self._bar, ink)
         elif is_categorical(self._bar.map):
@@ -204,7 +224,8 @@ class ColourBarWidget(QWidget):
         where = np.linspace(high, low, max(2, round(strip.height() * self.devicePixelRatioF())))
         rows = table_rows(where, self._low, self._high, False)
         colours = colour_table(bar.map)[rows]
-        self._paint_histogram(painter, strip, bar)
+        if not self._narrow:
+            self._paint_histogram(painter, strip, bar)
         _draw_column(painter, strip, colours)
         faint = QColor(ink)
         faint.setAlpha(110)

@@ -28,6 +28,8 @@ from widgets.viewport.tools.rectangle import Rectangle
 from widgets.viewport.tools.tool import Tool
 
 CLICK_REACH = 4  # pixels
+NARROW_VIEW = 30
+"""Width in heights of the font below which the colour bar has no room for its histogram."""
 
 
 class View3D(QWidget):
@@ -203,6 +205,7 @@ class View3D(QWidget):
         self._stage.set_scale(self.devicePixelRatioF())
         self._canvas.setGeometry(self.rect())
         self._overlay.setGeometry(self.rect())
+        self.colour_bar.set_narrow(self.width() < NARROW_VIEW * self.fontMetrics().height())
         hint, edge = self.colour_bar.sizeHint(), EDGE
         height = min(hint.height(), self.height() - 2 * edge)
         left = self.width() - hint.width() - edge

@@ -180,3 +180,30 @@ def test_marks_and_numbers_in_words() -> None:
     assert "below 0.25" in words
     assert "all 9 points" in tell_marks("wf3", {"good": 9}, 0.25)
     assert list_numbers([], {}) == ([], [])
+
+
+def test_rows_have_three_lines_and_go_by_the_numbers_in_names(panel) -> None:
+    (row,) = (r for r in panel.preview.rows if r["leaf"] == TOGETHER and r["channel"] == "near")
+    leaves = [{**row, "leaf": f"leaf-{k}", "name": f"Leaf {k}"} for k in (10, 2, 1)]
+    marked = {**row, "wf2_marked": 808}
+    panel.grid.show_rows([*leaves, marked])
+    names = [panel.grid.item(k, 0).text() for k in range(4)]
+    assert names == ["Together", "Leaf 1", "Leaf 2", "Leaf 10"]
+    cell = panel.grid.item(0, 2)
+    lines = cell.text().split("\n")
+    assert len(lines) == 3
+    assert "±" in lines[0]
+    assert lines[1].startswith("CV ")
+    assert lines[2].endswith("808")
+    assert "808 marked" in cell.toolTip()
+
+
+def test_five_rows_are_seen_in_a_low_panel(panel, qtbot) -> None:
+    panel.resize(380, 640)
+    (row,) = (r for r in panel.preview.rows if r["leaf"] == TOGETHER and r["channel"] == "near")
+    panel.grid.show_rows([row, *({**row, "leaf": f"leaf-{k}"} for k in range(8))])
+    qtbot.wait(50)
+    foot = panel.grid.mapTo(panel, panel.grid.rect().bottomLeft()).y()
+    assert foot < panel.height()
+    last = panel.grid.visualItemRect(panel.grid.item(4, 0))
+    assert last.bottom() <= panel.grid.viewport().height()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
 
@@ -16,7 +17,9 @@ from app.services.export import export
 from app.services.leaves import leaves_from_labels
 from app.services.synthetic_footprints import find_reached
 from app.simulate.scenes import leaf_row_scan
+from widgets.common.index.angle_plot import ExtremesSample
 from widgets.common.index.size_slider import LARGEST_MM, STEPS, to_size, to_step
+from widgets.common.plots import GREEN
 from widgets.common.step_titles import title_steps
 from widgets.fields_at_hand import list_fields
 from widgets.panels.index import IndexPanel
@@ -200,3 +203,24 @@ def test_missing_things_are_said(desk, qtbot, make_scan) -> None:
     qtbot.waitUntil(lambda: "no leaf yet" in panel.notice.text)
     with qtbot.waitSignal(panel.own_asked):
         qtbot.mouseClick(panel.form.own_button, LEFT)
+
+
+def test_the_legend_lies_above_the_data(panel, qtbot) -> None:
+    plot = panel.angles.plot
+    qtbot.wait(50)
+    legend, data = plot._legend, plot.getViewBox()
+    assert legend.sceneBoundingRect().bottom() <= data.sceneBoundingRect().top()
+    samples = [sample for sample, _ in legend.items]
+    assert isinstance(samples[-1], ExtremesSample)
+    picture = QImage(30, 20, QImage.Format.Format_ARGB32)
+    picture.fill(Qt.GlobalColor.white)
+    painter = QPainter(picture)
+    samples[-1].paint(painter)
+    painter.end()
+    green = [[picture.pixelColor(x, y).name() == GREEN for x in range(30)] for y in range(20)]
+    # One stands on its tip, the other on its base: the wider rows are above and below.
+    left = [sum(row[:10]) for row in green]
+    right = [sum(row[11:22]) for row in green]
+    assert sum(left[:10]) > sum(left[11:])
+    assert sum(right[:10]) < sum(right[11:])
+    assert not any(any(row[23:]) for row in green)

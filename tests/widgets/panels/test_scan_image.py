@@ -343,3 +343,15 @@ def test_each_scan_keeps_its_picture(hands, make_scan) -> None:
     hands.desk.controller.look(current=first)
     hands.rest()
     assert hands.view.image is image
+
+
+def test_a_narrow_foot_leaves_room_for_its_line(hands) -> None:
+    foot = hands.panel.foot
+    foot.explain_silence(True)
+    assert not foot.legend.isHidden()
+    hands.panel.resize(20 * foot.fontMetrics().height(), 400)
+    hands.rest()
+    assert foot.legend.isHidden()
+    assert not foot.swatch.isHidden()
+    assert foot.swatch.toolTip()
+    assert foot.line.toolTip() == foot.line.text() != ""

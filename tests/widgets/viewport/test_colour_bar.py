@@ -113,3 +113,17 @@ def test_a_verdict_shows_its_three_answers(bar: ColourBarWidget) -> None:
         image.pixelColor(x, y).name() for x in range(image.width()) for y in range(image.height())
     }
     assert set(VERDICT) <= shown
+
+
+def test_a_narrow_bar_has_no_histogram_but_whole_numbers(bar: ColourBarWidget) -> None:
+    wide = bar.width()
+    left = bar.scale_rect().left()
+    bar.set_narrow(True)
+    bar.resize(bar.sizeHint())
+    assert bar.width() < 0.6 * wide
+    assert bar.scale_rect().left() < 0.3 * left
+    text = bar.fontMetrics().horizontalAdvance("10.0")
+    assert bar.scale_rect().right() + 0.9 * bar.fontMetrics().height() + text < bar.width()
+    QTest.mousePress(bar, Qt.MouseButton.LeftButton, pos=centre(bar, 8.0))
+    QTest.mouseRelease(bar, Qt.MouseButton.LeftButton, pos=centre(bar, 6.0))
+    assert bar.limits[1] == pytest.approx(6.0, abs=0.05)

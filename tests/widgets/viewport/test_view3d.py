@@ -325,3 +325,14 @@ def test_places_hold_on_dense_screens() -> None:
     )  # fmt: skip
     assert run.returncode == 0, run.stdout[-3000:]
     assert "4 passed" in run.stdout
+
+
+def test_a_small_view_has_a_narrow_colour_bar(view: View3D) -> None:
+    em = view.fontMetrics().height()
+    view.window().resize(50 * em, 320)
+    QTest.qWait(50)
+    assert not view.colour_bar.narrow
+    view.window().resize(22 * em, 320)
+    QTest.qWait(50)
+    assert view.colour_bar.narrow
+    assert view.colour_bar.geometry().right() < view.width()

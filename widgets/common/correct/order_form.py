@@ -177,6 +177,7 @@ class OrderForm(QWidget):
         form.setContentsMargins(0, 0, 0, 0)
         for box in (self.channel_box, self.leaves_box, self.source_box):
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.every.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Fixed)
         form.addRow(self.tr("C&hannel"), self.channel_box)
         form.addRow("", self.every)
         form.addRow(self.tr("&Leaves"), self.leaves_box)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
@@ -19,8 +20,12 @@ from widgets.common.leaf_table import colour_of_leaf
 from widgets.common.numbers import UNKNOWN, count_decimals, show_count, show_number
 
 SHORT = {"wf1": "WF1", "wf2": "WF2", "wf3": "WF3", "wf3_subtracted": "WF3 subtr."}
-MOST_ROWS, MOST_LINES = 5, 5
-WIDEST_NAME = 6
+MOST_ROWS, LINES = 5, 3
+"""Rows that are seen at once: all together and four leaves; lines of a cell."""
+WIDEST_NAME = 5
+SMALLER = 0.88
+"""Size of the numbers beside that of the window: three columns have to fit a narrow panel."""
+THIN = "\u2009"
 
 
 class WorkflowGrid(QTableWidget):
@@ -32,7 +37,7 @@ class WorkflowGrid(QTableWidget):
         self.setToolTip(
             self.tr(
                 "Mean ± standard deviation of the points; coefficient of variation (sd / mean); "
-                "n, points with a value; ⚠, points that are marked"
+                "number of points with a value; ⚠, points that are marked"
             )
         )
         self.verticalHeader().hide()
@@ -45,11 +50,14 @@ class WorkflowGrid(QTableWidget):
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.horizontalHeader().setHighlightSections(False)
         self.setWordWrap(False)
+        self._small = self.font()
+        self._small.setPointSizeF(SMALLER * self._small.pointSizeF())
 
     def show_rows(self, rows: Sequence[Row]) -> None:
         """Show rows of one channel, as `compare_workflows` gives them."""
         there = [w for w in SHORT if any(f"{w}_n" in row for row in rows)]
         self.setColumnCount(1 + len(there))
+        rows = sorted(rows, key=_place)
         self.setRowCount(len(rows))
         self.setHorizontalHeaderLabels([self.tr("Leaf"), *(SHORT[w] for w in there)])
         for line, row in enumerate(rows):
@@ -63,8 +71,7 @@ class WorkflowGrid(QTableWidget):
         em = self.fontMetrics().height()
         self.setColumnWidth(0, min(self.columnWidth(0), WIDEST_NAME * em))
         # All rows of one height: measuring every cell takes longer than a frame.
-        marked = any(row.get(f"{w}_marked") for row in rows for w in there[1:])
-        tall = (MOST_LINES if marked else MOST_LINES - 1) * em + em // 2
+        tall = round((SMALLER * LINES + 0.4) * em)
         self.verticalHeader().setDefaultSectionSize(tall)
         high = min(len(rows), MOST_ROWS) * tall
         self.setFixedHeight(high + header.sizeHint().height() + 2 * self.frameWidth() + 2)
@@ -93,14 +100,27 @@ class WorkflowGrid(QTableWidget):
         count, marked = int(row[f"{workflow}_n"] or 0), int(row[f"{workflow}_marked"] or 0)
         share = self.tr("CV {0} %").format(show_number(None if cv is None else 100 * cv, 1))
         decimals = count_decimals(mean, sd)
-        lines = [show_number(mean, decimals), f"± {show_number(sd, decimals)}", share]
-        lines.append(f"n {show_count(count)}")
+        both = f"{show_number(mean, decimals)}{THIN}±{THIN}{show_number(sd, decimals)}"
+        number = show_count(count)
         if marked and workflow != "wf1":
-            lines.append(f"⚠ {show_count(marked)}")
-        item = QTableWidgetItem("\n".join(lines))
+            number += f" ⚠{THIN}{show_count(marked)}"
+        item = QTableWidgetItem("\n".join((both, share, number)))
+        item.setFont(self._small)
         item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        item.setToolTip(str(row.get(f"{workflow}_by") or self.tr("as it was calibrated")))
+        tip = self.tr("{by}; n {n} points with a value, {marked} marked").format(
+            by=row.get(f"{workflow}_by") or self.tr("as it was calibrated"),
+            n=show_count(count), marked=show_count(marked),
+        )  # fmt: skip
+        item.setToolTip(tip)
         self.setItem(line, column, item)
+
+
+def _place(row: Row) -> tuple[bool, list[tuple[int, str]]]:
+    """All together first, then leaves by name, numbers in it by their size."""
+    parts = re.split(r"(\d+)", str(row["name"]).casefold())
+    return row["leaf"] != TOGETHER, [
+        (int(part), "") if part.isdecimal() else (0, part) for part in parts
+    ]
 
 
 def _number(row: Row, name: str) -> float | None:

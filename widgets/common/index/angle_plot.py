@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtGui import QColor
+from pyqtgraph.graphicsItems.ScatterPlotItem import drawSymbol
+from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QWidget
 
 from app.core.arrays import Floats
@@ -14,7 +16,9 @@ from app.services.leaves import Row
 from widgets.common.plots import GREEN, ORANGE, Plot
 
 TICKS = range(0, 91, 15)
-HEADROOM = 0.3
+MARGIN = 0.08
+EXTREMES = ("t", "t1")
+"""Symbols of the least and the largest value."""
 
 
 class IndexAnglePlot(Plot):
@@ -38,7 +42,7 @@ class IndexAnglePlot(Plot):
         self.measured, self.extremes = pg.ScatterPlotItem(), pg.ScatterPlotItem()
         for item in (self._band, self._bars, self.measured, self.curve, self.extremes):
             self.addItem(item)
-        self._legend = self.addLegend(offset=(1, 1), colCount=3, labelTextSize="9pt")
+        self._legend = self.add_legend_above(3)
         self.getAxis("bottom").setTicks([[(angle, f"{angle}") for angle in TICKS]])
         self.setXRange(0.0, 90.0, padding=0.03)
 
@@ -79,7 +83,7 @@ class IndexAnglePlot(Plot):
         self.extremes.setData(
             angle[ends],
             value[ends],
-            symbol=["t", "t1"],
+            symbol=list(EXTREMES),
             size=3.2 * self.dot_size(),
             brush=GREEN,
             pen=self.pen(self.palette().base().color(), 1.0),
@@ -90,7 +94,7 @@ class IndexAnglePlot(Plot):
         if len(known):
             low, high = float(known.min()), float(known.max())
             reach = max(high - low, 1e-6)
-            self.setYRange(low - 0.08 * reach, high + HEADROOM * reach, padding=0.0)
+            self.setYRange(low - MARGIN * reach, high + MARGIN * reach, padding=0.0)
 
     def _name_items(self, fitted: bool) -> None:
         self._legend.clear()
@@ -98,7 +102,20 @@ class IndexAnglePlot(Plot):
         self._legend.addItem(self.measured, self.tr("means"))
         if fitted:
             self._legend.addItem(self.curve, self.tr("curve"))
-        self._legend.addItem(self.extremes, self.tr("min, max"))
+        self._legend.addItem(ExtremesSample(self.extremes), self.tr("min, max"))
+
+
+class ExtremesSample(pg.ItemSample):  # type: ignore[misc]
+    """Both triangles side by side: a legend's own sample knows one symbol."""
+
+    def paint(self, painter: QPainter, *_: Any) -> None:
+        """Draw them."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for place, symbol in zip((4.5, 15.5), EXTREMES, strict=True):
+            painter.save()  # drawing a symbol leaves the painter scaled
+            painter.translate(place, 10.0)
+            drawSymbol(painter, symbol, 9.0, pg.mkPen(None), pg.mkBrush(GREEN))
+            painter.restore()
 
 
 def _columns(rows: Sequence[Row], curve: str) -> tuple[Floats, Floats, Floats]:

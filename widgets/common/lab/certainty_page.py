@@ -204,8 +204,9 @@ class CertaintyPage(QWidget):
         buttons.setColumnStretch(2, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        for widget in (self.words, self.table, self.note):
-            layout.addWidget(widget)
-        layout.addLayout(buttons)
+        layout.addWidget(self.words)
+        layout.addLayout(buttons)  # above what grows: they are seen in a low window too
+        layout.addWidget(self.table)
+        layout.addWidget(self.note)
         layout.addStretch(1)
         self._show()

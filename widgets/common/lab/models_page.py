@@ -15,7 +15,7 @@ from widgets.common.numbers import UNKNOWN, show_number
 from widgets.controller import Controller
 
 LEFT, RIGHT = Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight
-NAME_WIDTH = 8
+NAME_WIDTH = 7.5
 FAINT = 0.01
 """Akaike weight below which a model is as good as ruled out."""
 
@@ -40,10 +40,10 @@ class ModelsPage(QWidget):
         self.words = QLabel(self)
         self.table = FactTable(
             self.tr("Models side by side"),
-            (self.tr("Model"), self.tr("Weight"), self.tr("RMSE"), "ΔAICc", "AIC", "AICc", "BIC",
-             "R²", "k"),
+            (self.tr("Model"), "ΔAICc", self.tr("Weight"), "ΔBIC", self.tr("RMSE"), "k", "R²",
+             "AICc", "BIC", "AIC"),
             self,
-            (LEFT, *[RIGHT] * 8),
+            (LEFT, *[RIGHT] * 9),
         )  # fmt: skip
         self.note = QLabel(self)
         self.copy_button = QPushButton(self.tr("&Copy table"), self)
@@ -90,8 +90,8 @@ class ModelsPage(QWidget):
     def _show_rows(self) -> None:
         rows = self.table_shown.rows if self.table_shown is not None else ()
         self.table.show_rows([_write(row) for row in rows], [_tip(row) for row in rows])
-        fit_height(self.table)
         self._mark_chosen()
+        fit_height(self.table, wrapped=True)
         self._tell()
 
     def _mark_chosen(self) -> None:
@@ -123,6 +123,8 @@ class ModelsPage(QWidget):
 
     def _praise(self, table: ModelTable) -> str:
         best = table.best
+        if best is None and any(row.result is not None for row in table.rows):
+            return self.tr("No model can be called the best.")
         if best is None:
             return self.tr("No model can be fitted to these points.")
         rivals = [
@@ -147,23 +149,25 @@ class ModelsPage(QWidget):
     def _explain(self) -> None:
         self.table.explain_columns(
             self.tr("Click a row to take that model"),
-            self.tr("Akaike weight: how likely this model is the best of these"),
-            self.tr("Root mean square of the residuals, in the unit of the channel"),
             self.tr("AICc above the least of all; below 2 there is no preference"),
-            self.tr("Akaike's criterion: smaller is better"),
+            self.tr("Akaike weight: how likely this model is the best of these"),
+            self.tr("BIC above the least of all; below 2 there is no preference"),
+            self.tr("Root mean square of the residuals, in the unit of the channel"),
+            self.tr("Fitted parameters"),
+            self.tr("Share of the scatter that the curve explains"),
             self.tr("Akaike's criterion for few values: smaller is better"),
             self.tr("Bayesian criterion: smaller is better; punishes parameters more"),
-            self.tr("Share of the scatter that the curve explains"),
-            self.tr("Fitted parameters"),
+            self.tr("Akaike's criterion: smaller is better"),
         )
         self.copy_button.setToolTip(self.tr("Copy the table, for a spreadsheet"))
         for label in (self.words, self.note):
             label.setWordWrap(True)
         self.note.setProperty("faint", "true")
         header = self.table.horizontalHeader()
-        # Long names are cut: their tool tips are whole, and the numbers matter more.
+        # Long names take two lines, so that the numbers have room beside them.
+        self.table.setWordWrap(True)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Interactive)
-        header.resizeSection(0, NAME_WIDTH * self.fontMetrics().height())
+        header.resizeSection(0, round(NAME_WIDTH * self.fontMetrics().height()))
         header.setStretchLastSection(False)
 
     def _lay_out(self) -> None:
@@ -181,17 +185,19 @@ class ModelsPage(QWidget):
 
 def _write(row: ModelRow) -> tuple[str, ...]:
     if row.result is None:
-        return (row.title, *[UNKNOWN] * 8)
+        return (row.title, *[UNKNOWN] * 9)
     weight = UNKNOWN
     if row.weight is not None:
         weight = "< 0.01" if row.weight < FAINT else show_number(row.weight, 2)
     return (
         row.title,
+        show_number(row.aicc_above, 1),
         weight,
+        show_number(row.bic_above, 1),
         f"{row.rmse:.3g}",
-        *(show_number(v, 1) for v in (row.aicc_above, row.aic, row.aicc, row.bic)),
-        show_number(row.r2, 4),
         str(row.k),
+        show_number(row.r2, 4),
+        *(show_number(v, 1) for v in (row.aicc, row.bic, row.aic)),
     )
 
 

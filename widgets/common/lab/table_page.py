@@ -186,8 +186,11 @@ class TablePage(QWidget):
     def _describe(self, table: FitTable) -> str:
         fits = table.report.fits
         failed = sum(one.result is None for one in fits)
-        text = self.tr("{model}, {method}: {n} fits").format(
-            model=fits[0].model.title, method=describe_method(table.method), n=show_count(len(fits))
+        said = self.tr("1 fit") if len(fits) == 1 else self.tr("{n} fits")
+        text = self.tr("{model}, {method}: {fits}").format(
+            model=fits[0].model.title,
+            method=describe_method(table.method),
+            fits=said.format(n=show_count(len(fits))),
         )
         if failed:
             text += self.tr(", {n} of them impossible (their tool tip says why)").format(n=failed)

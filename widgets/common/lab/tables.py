@@ -10,11 +10,13 @@ LINE = 1.5
 """Height of a row in heights of the font."""
 
 
-def fit_height(table: QTableWidget, most: int = MOST_ROWS) -> None:
-    """Make a table as high as its rows, up to some of them."""
+def fit_height(table: QTableWidget, most: int = MOST_ROWS, wrapped: bool = False) -> None:
+    """Make a table as high as its rows, up to some of them; wrapped texts take more lines."""
     line = round(LINE * table.fontMetrics().height())
     table.verticalHeader().setMinimumSectionSize(line)
     table.verticalHeader().setDefaultSectionSize(line)
+    if wrapped:
+        table.resizeRowsToContents()
     rows = min(max(table.rowCount(), 1), most)
     heights = sum(table.rowHeight(row) for row in range(min(rows, table.rowCount())))
     bar = table.horizontalScrollBar().sizeHint().height()

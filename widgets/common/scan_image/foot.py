@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Signal
-from PySide6.QtGui import QColor, QPixmap
+from PySide6.QtGui import QColor, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
 
 from app.render.palettes import Background
 from app.render.scan_image.paint import SILENT
 from widgets.common.scan_image.line import Line
 from widgets.icons import draw_icon
+
+NARROW = 30
+"""Width in heights of the font below which the line needs the room of the legend."""
 
 
 class Foot(QWidget):
@@ -26,6 +29,7 @@ class Foot(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._silence = False
         self.line = Line(self.tr("Under the mouse"), self)
         self.swatch = QLabel(self)
         self.legend = QLabel(self.tr("no return"), self)
@@ -50,8 +54,9 @@ class Foot(QWidget):
 
     def explain_silence(self, there: bool) -> None:
         """Show what beams without a return look like, if there are some."""
+        self._silence = there
         self.swatch.setVisible(there)
-        self.legend.setVisible(there)
+        self._make_room()
 
     def recolour(self, background: Background) -> None:
         """Follow the theme."""
@@ -62,6 +67,15 @@ class Foot(QWidget):
         self.larger.setIcon(draw_icon("ph.magnifying-glass-plus"))
         self.smaller.setIcon(draw_icon("ph.magnifying-glass-minus"))
         self.whole.setIcon(draw_icon("ph.corners-out"))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Leave the words of the legend to its tooltip where there is little room."""
+        super().resizeEvent(event)
+        self._make_room()
+
+    def _make_room(self) -> None:
+        roomy = self.width() >= NARROW * self.fontMetrics().height()
+        self.legend.setVisible(self._silence and roomy)
 
     def _button(self, name: str, tip: str) -> QToolButton:
         button = QToolButton(self)
