@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
 from app.core.errors import BadInput
 from app.model.events import EVERYTHING, Change
@@ -213,6 +213,8 @@ class PhaseLabPanel(Panel):
     def _lay_out(self) -> None:
         content = QWidget(self)
         layout = QVBoxLayout(content)
+        # Without a plot the room below the choices is nobody's: they do not spread over it.
+        self.choice.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Maximum)
         layout.addWidget(self.choice)
         layout.addWidget(self.notice)
         layout.addWidget(self.plots, 1)

@@ -114,3 +114,11 @@ def test_models_show_what_matters_first_and_whole_names(lab, qtbot) -> None:
         assert table.rowHeight(row) >= needed
     longest = max(range(table.rowCount()), key=table.sizeHintForRow)
     assert table.rowHeight(longest) > 1.7 * table.fontMetrics().height()
+
+
+def test_choices_stay_together_where_there_is_nothing_to_draw(lab, opened, qtbot) -> None:
+    opened.controller.look(leaf=None)
+    qtbot.waitUntil(lambda: not lab.plots.isVisible(), timeout=10_000)
+    lab.resize(400, 900)
+    qtbot.wait(50)
+    assert lab.choice.height() <= lab.choice.sizeHint().height()
