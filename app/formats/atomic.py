@@ -91,14 +91,19 @@ def refuse_target(
         raise BadInput(f"You may not write to the folder {folder}.", "Choose another folder.")
 
 
-def refuse_targets(targets: Iterable[Path], overwrite: bool, sources: Iterable[Path] = ()) -> None:
+def refuse_targets(
+    targets: Iterable[Path],
+    overwrite: bool,
+    sources: Iterable[Path] = (),
+    folder_follows: bool = False,
+) -> None:
     """As `refuse_target` for files of one command, none of which may be another of them."""
     sources = list(sources)
     taken: list[Path] = []
     for target in targets:
         if any(is_same_file(target, other) for other in taken):
             raise BadInput(f"{target} is named for two results.", "Give each a name of its own.")
-        refuse_target(target, overwrite, sources=sources)
+        refuse_target(target, overwrite, folder_follows, sources)
         taken.append(target)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from app.core.errors import BadInput
-from app.formats.atomic import atomic_files, refuse_target
+from app.formats.atomic import atomic_files, refuse_targets
 from app.services.bench.machine import describe_machine
 
 Value = float | int | str | bool
@@ -77,12 +77,6 @@ def list_targets(
     return [out / file for file in names]
 
 
-def refuse_targets(targets: Sequence[Path], overwrite: bool) -> None:
-    """Raise `BadInput` where a file must not be written; cheap, call it before the work."""
-    for target in targets:
-        refuse_target(target, overwrite, folder_follows=True)
-
-
 def write_bench(bench: Bench, out: Path, overwrite: bool = False) -> list[Path]:
     """Write tables as CSV, everything as JSON and the pictures: all of them, or nothing.
 
@@ -92,7 +86,7 @@ def write_bench(bench: Bench, out: Path, overwrite: bool = False) -> list[Path]:
         A file exists and may not be replaced, or cannot be written.
     """
     targets = list_targets(out, bench.name, [t.name for t in bench.tables], list(bench.pictures))
-    refuse_targets(targets, overwrite)
+    refuse_targets(targets, overwrite, folder_follows=True)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

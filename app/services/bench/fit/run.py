@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_targets
 from app.services.bench.fit.coverage import measure_coverage, recover_printed
 from app.services.bench.fit.goals import judge_all, tabulate_goals
 from app.services.bench.fit.models import recover_models
@@ -13,7 +14,7 @@ from app.services.bench.fit.pictures import draw_costs
 from app.services.bench.fit.speed import compare_batch, compare_single
 from app.services.bench.fit.stability import check_stability
 from app.services.bench.fit.trade import measure_trade
-from app.services.bench.results import Bench, list_targets, refuse_targets
+from app.services.bench.results import Bench, list_targets
 
 NAME = "fit"
 TABLES = (
@@ -50,4 +51,4 @@ def bench_fit(quick: bool = False, progress: Progress = QUIET) -> Bench:
 
 def refuse_bench_fit(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
-    refuse_targets(list_targets(out, NAME, list(TABLES), [NAME]), overwrite)
+    refuse_targets(list_targets(out, NAME, list(TABLES), [NAME]), overwrite, folder_follows=True)

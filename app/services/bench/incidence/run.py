@@ -9,6 +9,7 @@ from pathlib import Path
 from app.core.errors import WrongUse
 from app.core.incidence import RADIUS
 from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_targets
 from app.services.bench.incidence import scenes
 from app.services.bench.incidence.bound import measure_bound
 from app.services.bench.incidence.coverage import measure_coverage, tabulate_coverage
@@ -32,7 +33,7 @@ from app.services.bench.incidence.reference import compare_with_tree
 from app.services.bench.incidence.rivals import Load, Rival
 from app.services.bench.incidence.scenes import FILTERED, GIVEN, STRONG, USUAL, Noise, Truth
 from app.services.bench.incidence.table import tabulate, tell_kinds, tell_load
-from app.services.bench.results import Bench, ResultTable, Value, list_targets, refuse_targets
+from app.services.bench.results import Bench, ResultTable, Value, list_targets
 
 NAME = "incidence"
 TABLES = ("incidence", "goals", "coverage", "bound", "kinds", "programs")
@@ -98,7 +99,7 @@ def bench_incidence(
 def refuse_bench_incidence(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
     names = [NAME if name == NAME else f"{NAME}_{name}" for name in TABLES]
-    refuse_targets(list_targets(out, NAME, names, [NAME]), overwrite)
+    refuse_targets(list_targets(out, NAME, names, [NAME]), overwrite, folder_follows=True)
 
 
 def _list_scenes(quick: bool, truth: Path | None) -> Iterator[Making]:

@@ -6,10 +6,11 @@ from functools import partial
 from pathlib import Path
 
 from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_targets
 from app.services.bench.picture import draw_panels
 from app.services.bench.planes.goniometer import check_goniometer
 from app.services.bench.planes.table import draw_leaves, measure_leaves
-from app.services.bench.results import Bench, list_targets, refuse_targets
+from app.services.bench.results import Bench, list_targets
 
 NAME = "planes"
 TABLES = ("leaf_planes", "goniometer")
@@ -36,4 +37,4 @@ def bench_planes(quick: bool = False, progress: Progress = QUIET) -> Bench:
 
 def refuse_bench_planes(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
-    refuse_targets(list_targets(out, NAME, list(TABLES), [NAME]), overwrite)
+    refuse_targets(list_targets(out, NAME, list(TABLES), [NAME]), overwrite, folder_follows=True)

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_targets
 from app.services.bench.radiometry import balduzzi, hancock, junttila
 from app.services.bench.radiometry.budgets import prove_budget
 from app.services.bench.radiometry.fits import compare_fits
@@ -22,7 +23,7 @@ from app.services.bench.radiometry.pictures import draw_costs
 from app.services.bench.radiometry.range_methods import compare_ranges
 from app.services.bench.radiometry.responses import measure_inverses
 from app.services.bench.radiometry.waveforms import measure_waveforms
-from app.services.bench.results import Bench, ResultTable, list_targets, refuse_targets
+from app.services.bench.results import Bench, ResultTable, list_targets
 
 NAME = "radiometry"
 TABLES = (
@@ -90,4 +91,4 @@ def tell_papers(quick: bool, progress: Progress = QUIET) -> tuple[ResultTable, .
 
 def refuse_bench_radiometry(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
-    refuse_targets(list_targets(out, NAME, list(TABLES), [NAME]), overwrite)
+    refuse_targets(list_targets(out, NAME, list(TABLES), [NAME]), overwrite, folder_follows=True)

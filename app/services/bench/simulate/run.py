@@ -6,9 +6,10 @@ from functools import partial
 from pathlib import Path
 
 from app.core.progress import QUIET, Progress
+from app.formats.atomic import refuse_targets
 from app.services.bench.checks import tabulate
 from app.services.bench.picture import draw_panels
-from app.services.bench.results import Bench, ResultTable, list_targets, refuse_targets
+from app.services.bench.results import Bench, ResultTable, list_targets
 from app.services.bench.simulate.against_other import SEEDS, compare_with_other
 from app.services.bench.simulate.costs import draw_costs, measure_costs, warm_up
 from app.services.bench.simulate.validation import validate
@@ -50,4 +51,6 @@ def bench_simulate(
 def refuse_bench_simulate(out: Path, truth: Path | None, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
     names = ["simulate_checks", "simulate_costs", *(["simulate_other"] if truth else [])]
-    refuse_targets(list_targets(out, NAME, names, ["simulate_costs"]), overwrite)
+    refuse_targets(
+        list_targets(out, NAME, names, ["simulate_costs"]), overwrite, folder_follows=True
+    )

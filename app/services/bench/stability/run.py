@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from app.core.progress import QUIET, Progress
-from app.services.bench.results import Bench, ResultTable, Value, list_targets, refuse_targets
+from app.formats.atomic import refuse_targets
+from app.services.bench.results import Bench, ResultTable, Value, list_targets
 from app.services.bench.stability import reflectances
 from app.services.bench.stability.changes import list_changes
 from app.services.bench.stability.spoilt import list_spoilt
@@ -72,4 +73,6 @@ def _judge(failed: Sequence[str]) -> str:
 
 def refuse_bench_stability(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
-    refuse_targets(list_targets(out, NAME, [NAME, reflectances.NAME], []), overwrite)
+    refuse_targets(
+        list_targets(out, NAME, [NAME, reflectances.NAME], []), overwrite, folder_follows=True
+    )
