@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
 from app.core.arrays import Floats, finite_rows
 from app.core.errors import WrongUse
+
+
+class BeamShape(NamedTuple):
+    """Radius of a beam at the aperture, metres, and half of its full divergence, radians."""
+
+    radius: float
+    half_divergence: float
 
 
 def footprint_axis(

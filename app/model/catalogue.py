@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from app.core.arrays import Ints
-from app.core.units import to_radians
 from app.model.angle_fields import ANGLES
 from app.model.calibrated import calibrated_channels
 from app.model.correction_fields import correction_fields
@@ -13,15 +12,16 @@ from app.model.corrections import corrected_channels
 from app.model.curve_fields import curve_fields
 from app.model.fields import Catalogue, Computed, Evaluation, FieldSpec, Same, pick_rows
 from app.model.footprint_fields import FOOTPRINTS
+from app.model.ghost_fields import GHOSTS
 from app.model.hit_fields import HITS
 from app.model.index_fields import formula_fields, list_families, named_index_fields
-from app.model.neighbours import neighbours_of
 from app.model.parameters import Parameters
 from app.model.radiometry_fields import reflectance_fields
 from app.model.scan import Channel, Scan
 from app.model.smoothed_fields import smoothed_fields
 from app.model.truth_fields import TruthField, describe_truth
 from app.model.waveform_fields import waveform_fields
+from app.model.wrinkle_fields import WRINKLES
 
 CHANNEL_UNITS = {"DN": "DN", "dB": "dB", "linear": "", "reflectance": ""}
 
@@ -105,39 +105,6 @@ def compute_range(evaluation: Evaluation, points: Ints | None) -> Computed:
     return Computed(np.sqrt(np.einsum("ij,ij->i", offset, offset)))
 
 
-def compute_ghost_score(evaluation: Evaluation, points: Ints | None) -> Computed:
-    """How much a point looks like a mixed pixel, 0 to 1."""
-    from app.core.ghosts import ghost_score
-
-    state = evaluation.subject.state
-    scanner = state.scan.scanner("the ghost score")
-    incidence = to_radians(evaluation.read("incidence", points))
-    # A logarithm of the power says nothing about how much of it is lost.
-    linear = [c for c in state.scan.channels if c.kind in ("linear", "reflectance")]
-    intensity = state.scan.channel_values(linear[0].name) if linear else None
-    neighbours = neighbours_of(state.scan, evaluation.progress)
-    values = ghost_score(
-        state.scan.xyz,
-        scanner,
-        points,
-        neighbours.grid,
-        incidence=incidence,
-        intensity=intensity,
-        radius=state.parameters.radius,
-        progress=evaluation.progress,
-    )
-    return Computed(values, {"neighbours": neighbours.method})
-
-
-def compute_ghost(evaluation: Evaluation, points: Ints | None) -> Computed:
-    """Whether a point counts as a ghost: the user's judgement, else the score (1 or 0)."""
-    state = evaluation.subject.state
-    score = evaluation.read("ghost_score", points)
-    marks = pick_rows(state.marks, points)
-    flag = (score >= state.parameters.ghost_threshold) & (marks >= 0) | (marks > 0)
-    return Computed(flag.astype(np.float64))
-
-
 def compute_leaf(evaluation: Evaluation, points: Ints | None) -> Computed:
     """Number of the leaf that a point belongs to; NaN outside leaves."""
     values = np.full(evaluation.size, np.nan)
@@ -151,24 +118,7 @@ GEOMETRY = (
     *ANGLES,
     *FOOTPRINTS,
     *HITS,
-    FieldSpec(
-        "ghost_score",
-        "Ghost score",
-        "",
-        "score",
-        compute_ghost_score,
-        ("incidence",),
-        needs=("points", "pose", "channels"),
-    ),
-    FieldSpec(
-        "ghost",
-        "Ghost",
-        "",
-        "flag",
-        compute_ghost,
-        ("ghost_score",),
-        ("ghost_threshold",),
-        ("marks",),
-    ),
+    *WRINKLES,
+    *GHOSTS,
     FieldSpec("leaf", "Leaf", "", "class", compute_leaf, needs=("leaves",)),
 )

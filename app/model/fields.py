@@ -73,6 +73,8 @@ class FieldSpec:
         Parts of the scan that it reads besides.
     stored : bool
         The values are those of the attribute of the same name, as the file holds them.
+    given : bool
+        A service measures the values and hands them over; nobody can compute them on demand.
     compute : callable
         Given the evaluation and the points (None for all), gives one value per point.
     made_with : object
@@ -89,6 +91,7 @@ class FieldSpec:
     needs: tuple[Need, ...] = ()
     stored: bool = False
     made_with: object = None
+    given: bool = False
 
 
 Catalogue = Mapping[str, FieldSpec]

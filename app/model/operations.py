@@ -156,13 +156,18 @@ class SetDeleted(Operation, frozen=True):
 
 
 class MarkGhosts(Operation, frozen=True):
-    """Judge points: ghosts, kept though they look like ghosts, or not judged."""
+    """Judge points: ghosts, kept though they look like ghosts, or not judged.
+
+    Of ghosts it may be said what a clean-up is to do with them: delete or correct.
+    """
 
     scan: str
     ghosts: PointSet = EMPTY
     kept: PointSet = EMPTY
     cleared: PointSet = EMPTY
     basis: Selection | None = None
+    deleting: PointSet = EMPTY
+    correcting: PointSet = EMPTY
 
     @property
     def title(self) -> str:
@@ -170,6 +175,8 @@ class MarkGhosts(Operation, frozen=True):
             ("Mark", self.ghosts, "as ghosts"),
             ("Keep", self.kept, "as no ghosts"),
             ("Unmark", self.cleared, ""),
+            ("Mark", self.deleting, "to delete"),
+            ("Mark", self.correcting, "to correct"),
         )
         words = [f"{verb} {count_points(len(p))} {end}".strip() for verb, p, end in parts if len(p)]
         return ", ".join(words) or "Mark no points"
@@ -177,19 +184,17 @@ class MarkGhosts(Operation, frozen=True):
     def apply(self, state: State) -> Applied:
         old = state.scan(self.scan)
         marks = old.marks.copy()
-        touched = PointSet(
-            np.concatenate(
-                [_rows(points, old) for points in (self.ghosts, self.kept, self.cleared)]
-            )
-        )
+        judged = {1: self.ghosts, -1: self.kept, 0: self.cleared, 2: self.deleting,
+                  3: self.correcting}  # fmt: skip
+        touched = PointSet(np.concatenate([_rows(points, old) for points in judged.values()]))
         before = old.marks[touched.indices]
-        for points, value in ((self.ghosts, 1), (self.kept, -1), (self.cleared, 0)):
+        for value, points in judged.items():
             marks[points.indices] = value
-        ghosts, kept, cleared = (PointSet(touched.indices[before == v]) for v in (1, -1, 0))
-        return (
-            state.with_scan(self.scan, replace(old, marks=marks)),
-            MarkGhosts(self.scan, ghosts, kept, cleared),
+        ghosts, kept, cleared, deleting, correcting = (
+            PointSet(touched.indices[before == value]) for value in judged
         )
+        inverse = MarkGhosts(self.scan, ghosts, kept, cleared, None, deleting, correcting)
+        return state.with_scan(self.scan, replace(old, marks=marks)), inverse
 
 
 class Coordinates:

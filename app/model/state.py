@@ -33,7 +33,8 @@ class ScanState:
     deleted : (n,) bool array
         Deletion is a mask: nothing is lost.
     marks : (n,) int8 array
-        1 marked as ghost, -1 kept though it looks like one, 0 not judged.
+        1 marked as ghost, 2 as one to delete, 3 as one to correct; -1 kept though it looks like
+        one; 0 not judged.
     selection : PointSet
     parameters : Parameters
     closed : bool

@@ -56,6 +56,12 @@ class ViewState(msgspec.Struct, frozen=True):
         Pixels, before the screen's scale.
     show_leaves, show_ghosts : bool
         Overlays of leaf colours and of points marked as ghosts.
+    show_footprints : bool
+        Whether the beam's footprint is drawn at selected points, or at some of the leaf.
+    show_mesh : bool
+        Whether the mesh of the leaf is drawn.
+    footprint_step : int
+        Rows and columns of a leaf from one footprint to the next.
     leaf : str or None
         Key of the leaf that panels work on.
     previewed : tuple of Preview
@@ -76,6 +82,9 @@ class ViewState(msgspec.Struct, frozen=True):
     point_size: float = 2.0
     show_leaves: bool = False
     show_ghosts: bool = True
+    show_footprints: bool = False
+    show_mesh: bool = False
+    footprint_step: int = 8
     leaf: str | None = None
     previewed: tuple[Preview, ...] = ()
     theme: Theme = "system"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import app.core.incidence as core
+from app.core.ghosts import THRESHOLD
 from app.core.units import to_degrees, to_mm
 from app.model.operations import AddScan, SetParameters
 from app.model.project import Project
@@ -147,4 +148,4 @@ def test_ghosts_of_a_cloud_without_rows_and_columns_are_those_of_its_grid(
     bare = put(replace(leaves, grid=None))
     score, other = project.field(KEY, "ghost_score"), bare.field(KEY, "ghost_score")
     assert bare.known_field(KEY, "ghost_score").notes["neighbours"] == "recovered grid"
-    assert np.mean((score >= 0.7) == (other >= 0.7)) > 0.999
+    assert np.mean((score > THRESHOLD) == (other > THRESHOLD)) > 0.999

@@ -19,7 +19,7 @@ from app.model.operations import (
     SetParameters,
     SetPose,
 )
-from app.model.parameters import Curve, Formula, Parameters
+from app.model.parameters import Beam, Curve, Formula
 from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Pose, Scan
@@ -62,7 +62,8 @@ def test_some_first_then_all_equals_all_at_once(project: Project, leaves: Scan) 
 
 
 def test_a_parameter_spoils_only_what_depends_on_it(project: Project) -> None:
-    for name in ("range", "reflectance_1063", "ndi", "ghost"):
+    names = ("range", "reflectance_1063", "ndi", "incidence", "ghost")
+    for name in names:
         project.field(KEY, name)
     change(project, radius=0.006)
     stale = {
@@ -70,11 +71,19 @@ def test_a_parameter_spoils_only_what_depends_on_it(project: Project) -> None:
         for n in ("range", "ndi", "incidence", "ghost_score", "ghost")
         if project.known_field(KEY, n) is None
     }
-    assert stale == {"incidence", "ghost_score", "ghost"}
-    change(project, radius=Parameters().radius, ghost_threshold=0.9)
+    assert stale == {"incidence"}
+    change(project, beam=Beam(0.002, 0.0003))
     stale = {
         n
-        for n in ("range", "ndi", "incidence", "ghost_score", "ghost")
+        for n in ("range", "ndi", "ghost_score", "ghost")
+        if project.known_field(KEY, n) is None
+    }
+    assert stale == {"ghost_score", "ghost"}
+    project.field(KEY, "ghost")
+    change(project, ghost_threshold=0.9)
+    stale = {
+        n
+        for n in ("range", "ndi", "ghost_score", "ghost")
         if project.known_field(KEY, n) is None
     }
     assert stale == {"ghost"}
