@@ -35,7 +35,7 @@ class Overlay:
         Selected points.
     leaves : sequence of LeafMark
     ghosts : (n,) int8 or None
-        1 where a point is marked as ghost.
+        Above 0 where a point is marked as ghost.
     current : str or None
         Key of the leaf that stands out among the others.
     """
@@ -68,6 +68,6 @@ def number_marks(overlay: Overlay, size: int) -> tuple[Bytes, Bytes]:
         table[code] = rgba
         codes[leaf.members] = code
     if overlay.ghosts is not None:
-        codes[overlay.ghosts == 1] = GHOST
+        codes[overlay.ghosts > 0] = GHOST
     codes[overlay.selection] = SELECTED
     return codes, table

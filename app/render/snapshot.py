@@ -29,6 +29,7 @@ def render_snapshot(
     camera: Camera | None = None,
     scanner: Floats | None = None,
     legend: bool = True,
+    rings: Floats | None = None,
 ) -> Bytes:
     """Draw a scene with all its points.
 
@@ -45,6 +46,8 @@ def render_snapshot(
         Position of the scanner in world metres.
     legend : bool
         Whether a strip with colour bar and number of points is kept at the bottom.
+    rings : (k, n, 3) array or None
+        Closed lines over the points, e.g. footprints, world metres.
 
     Returns
     -------
@@ -52,6 +55,7 @@ def render_snapshot(
     """
     stage = Stage(background, scale=SMOOTHING)
     stage.show(scene, source)
+    stage.drawings.show_rings(rings)
     drawn = stage.show_all()
     width, height = size[0], size[1] - (legend_height(size) if legend else 0)
     stage.set_camera(camera or choose_camera(stage, scanner, width / height))

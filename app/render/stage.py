@@ -13,6 +13,7 @@ from app.core.screen import View
 from app.model.scene import Cloud, Part, Scene, differences
 from app.render.camera import Camera
 from app.render.cloud_actor import CloudActor
+from app.render.drawings import Drawings
 from app.render.lod import Block, split_blocks
 from app.render.palettes import (
     BACKGROUNDS,
@@ -37,6 +38,8 @@ class Stage:
         World metres that VTK's zero stands for.
     scale : float
         Device pixels per pixel; points keep their apparent size on dense screens.
+    drawings : Drawings
+        What lies over the points.
     """
 
     def __init__(self, background: Background = "light", scale: float = 1.0) -> None:
@@ -48,6 +51,7 @@ class Stage:
         self.scale = scale
         self.background: Background = background
         self._clouds: dict[str, CloudActor] = {}
+        self.drawings = Drawings(self.renderer)
         self.set_background(background)
 
     def show(self, scene: Scene, source: PictureSource) -> frozenset[Part]:
@@ -73,12 +77,14 @@ class Stage:
         self.renderer.GradientBackgroundOn()
         self.renderer.SetBackground2(*(part / 255.0 for part in top))
         self.renderer.SetBackground(*(part / 255.0 for part in bottom))
+        self.drawings.style(background, self.scale)
         for cloud in self.scene.clouds:
             self._style(cloud)
 
     def set_scale(self, scale: float) -> None:
         """Set the device pixels per pixel."""
         self.scale = scale
+        self.drawings.style(self.background, scale)
         for cloud in self.scene.clouds:
             self._style(cloud)
 
@@ -93,6 +99,7 @@ class Stage:
         """Take everything away."""
         for key in list(self._clouds):
             self._remove(key)
+        self.drawings.clear()
         self.scene = Scene()
 
     # What is drawn of it
@@ -156,7 +163,7 @@ class Stage:
 
     def reset_clipping(self) -> None:
         """Fit near and far planes to all points, drawn at the moment or not."""
-        bounds = self.bounds()
+        bounds = _join([self.bounds(), *self.drawings.bounds()])
         if bounds is not None:
             lower, upper = bounds - self.origin
             box = np.stack((lower - 1e-3, upper + 1e-3), axis=1).ravel()
@@ -200,6 +207,7 @@ class Stage:
         actor = self._clouds[key] = CloudActor(xyz)
         if len(self._clouds) == 1:
             self.origin = actor.origin
+            self.drawings.place(self.origin)
         actor.place(self.origin)
         for block in actor.actors:
             self.renderer.AddActor(block)
