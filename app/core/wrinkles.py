@@ -8,7 +8,6 @@ import numpy as np
 
 from app.core.arrays import Floats
 from app.core.errors import BadInput
-from app.core.intensity_angle import Curve
 
 SIGN_OF_DELTA = (
     "Δω = ω from intensity − ω of the leaf's plane: 0 lies on the plane (green), "
@@ -24,17 +23,6 @@ _SMALLEST_PEAK = 0.1
 def delta_omega(omega_intensity: Floats, omega_plane: float) -> Floats:
     """Δω = ω_I − ω_LSR of every point, in radians; for the sign see `SIGN_OF_DELTA`."""
     return np.asarray(omega_intensity, dtype=np.float64) - omega_plane
-
-
-def shift_of_mean(intensity: Floats, omega_plane: float, curve: Curve) -> float:
-    """Angle of the leaf's mean intensity minus ω_LSR, in radians; NaN outside the curve.
-
-    Balduzzi's shifts (+13°, +5°, +9°, −10°, −8°): a curved leaf is not its plane.
-    """
-    known = intensity[np.isfinite(intensity)]
-    if not len(known):
-        return float("nan")
-    return float(curve.inverse(np.array([known.mean()]))[0] - omega_plane)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +45,6 @@ class Distribution:
     modes : tuple of float
         Angles of the peaks, the highest first. One skewed peak: simple curvature; several:
         wrinkles.
-    shift : float
-        Angle of the leaf's mean intensity − ω_LSR (see `shift_of_mean`); NaN if not given.
     """
 
     edges: Floats
@@ -72,10 +58,9 @@ class Distribution:
     skewness: float
     quantiles: tuple[float, float, float, float]
     modes: tuple[float, ...]
-    shift: float
 
 
-def distribution(delta: Floats, shift: float = float("nan")) -> Distribution:
+def distribution(delta: Floats) -> Distribution:
     """Describe the Δω of a leaf.
 
     The histogram (bins of 1°) is smoothed by a Gaussian of Silverman's width,
@@ -86,8 +71,6 @@ def distribution(delta: Floats, shift: float = float("nan")) -> Distribution:
     ----------
     delta : (n,) array
         Radians; NaN is counted and left out.
-    shift : float
-        As `shift_of_mean` gives it.
 
     Returns
     -------
@@ -121,7 +104,6 @@ def distribution(delta: Floats, shift: float = float("nan")) -> Distribution:
         skewness=_skewness(known),
         quantiles=(q5, q25, q75, q95),
         modes=modes,
-        shift=shift,
     )
 
 

@@ -5,21 +5,12 @@ import pytest
 from scipy import stats
 
 from app.core.errors import BadInput
-from app.core.intensity_angle import Curve
 from app.core.wrinkles import (
     BIN,
     SIGN_OF_DELTA,
     delta_omega,
     distribution,
-    shift_of_mean,
 )
-
-
-def arccos_or_nan(value: np.ndarray) -> np.ndarray:
-    return np.where(np.abs(value) <= 1.0, np.arccos(np.clip(value, -1.0, 1.0)), np.nan)
-
-
-LAMBERT = Curve(np.cos, arccos_or_nan)
 
 
 def degrees(*values: float) -> np.ndarray:
@@ -92,13 +83,3 @@ def test_equal_values() -> None:
 def test_nothing_to_describe_is_refused() -> None:
     with pytest.raises(BadInput, match="Δω"):
         distribution(np.full(3, np.nan))
-
-
-def test_shift_is_the_angle_of_the_mean_intensity_minus_that_of_the_plane() -> None:
-    intensity = np.cos(degrees(20.0, 60.0, np.nan))
-    expected = np.arccos((np.cos(np.deg2rad(20)) + 0.5) / 2) - np.deg2rad(35.0)
-    shift = shift_of_mean(intensity, np.deg2rad(35.0), LAMBERT)
-    assert shift == pytest.approx(expected)
-    assert distribution(np.zeros(3), shift).shift == shift
-    assert np.isnan(shift_of_mean(np.array([1.5, 1.6]), 0.5, LAMBERT))
-    assert np.isnan(shift_of_mean(np.array([np.nan]), 0.5, LAMBERT))

@@ -2,76 +2,56 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Hashable
+from pathlib import Path
 
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QPalette
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
-from app.core.arrays import Ints
-from app.core.errors import LeafscopeError
-from app.core.units import to_degrees
-from app.core.wrinkles import SIGN_OF_DELTA
-from app.model.fields import Same
-from app.model.leaf import FitRecord, Leaf
-from app.services.curves import DEFAULT_MODEL, channel_in_use
-from widgets.common.aside import copy_aside
-from widgets.common.colour_strip import ColourStrip
-from widgets.common.delta_plots import DeltaHistogram, DeltaMap
-from widgets.common.fact_grid import FactGrid
-from widgets.common.known_fits import find_source
+from app.model.events import EVERYTHING, Change
+from app.model.leaf import Leaf
+from app.model.wrinkle_fields import DELTA, SIGNIFICANCE
+from app.services.wrinkles.measure import LeafWrinkles
 from widgets.common.notice import Notice
-from widgets.common.numbers import show_count, show_number, show_signed
-from widgets.common.panel import Panel, make_scrolling
-from widgets.common.wrinkle_map import SeenLeaf, see_leaf
-
-FIELD = "delta_omega"
-FEW_POINTS = 20_000
+from widgets.common.numbers import show_count
+from widgets.common.panel import Column, Panel
+from widgets.common.wrinkles.busy_row import BusyRow
+from widgets.common.wrinkles.export import WrinkleExport
+from widgets.common.wrinkles.leaf_page import LeafPage
+from widgets.common.wrinkles.measuring import Measured, Measuring
+from widgets.common.wrinkles.request_form import RequestForm
+from widgets.common.wrinkles.table import WrinkleTable
+from widgets.common.wrinkles.words import tell_claim
+from widgets.dialogs.open_scan import FileDialogs
 
 
 class WrinklesPanel(Panel):
-    """Map and distribution of Δω of the current leaf."""
+    """What is asked, what may be claimed, all leaves, and the one that is looked at."""
 
     def build(self) -> None:
         """Make the parts of the panel."""
         self.setObjectName("wrinkles")
         self.setWindowTitle(self.tr("Wrinkles"))
-        self.seen: SeenLeaf | None = None
-        self._seen_for: Hashable = None
-        self._awaits_fit = False
+        self.dialogs = FileDialogs(self)
+        self._trouble = ""
+        self._shown: tuple[Measured, str] | None = None
+        self.measuring = Measuring(self.controller, self)
         self.notice = Notice(self)
-        self.title = QLabel(self)
-        self.map = DeltaMap(self)
-        self.strip = ColourStrip("delta-omega", self)
-        self.legend = QLabel(SIGN_OF_DELTA, self)
-        self.histogram = DeltaHistogram(self)
-        self.facts = FactGrid(self)
+        self.claim = QLabel(self)
+        self.form = RequestForm(self)
+        self.busy = BusyRow(self)
+        self.remarks = QLabel(self)
+        self.table = WrinkleTable(self)
+        self.leaf_notice = Notice(self)
+        self.page = LeafPage(self)
         self.colour_button = QPushButton(self.tr("&Colour the cloud by Δω"), self)
-        self._arrange()
-        self.notice.clicked.connect(self._on_notice)
-        self.colour_button.clicked.connect(self._on_colour)
-        self.work.fitted.connect(self._on_fitted)
-
-    def _arrange(self) -> None:
-        self.legend.setWordWrap(True)
-        self.colour_button.setCheckable(True)
-        self.body = QWidget(self)
-        inner = QVBoxLayout(self.body)
-        inner.setContentsMargins(0, 0, 0, 0)
-        for widget in (self.map, self.strip, self.legend, self.histogram, self.facts):
-            inner.addWidget(widget)
-        inner.setStretch(0, 3)
-        inner.setStretch(3, 2)
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.colour_button)
-        buttons.addStretch(1)
-        content = QWidget(self)
-        layout = QVBoxLayout(content)
-        layout.addWidget(self.title)
-        layout.addWidget(self.notice)
-        layout.addWidget(self.body, 1)
-        layout.addLayout(buttons)
-        layout.addStretch(0)
-        make_scrolling(content, self)
+        self.export_button = QPushButton(self.tr("E&xport"), self)
+        menu = QMenu(self.export_button)
+        self.export = WrinkleExport(self.controller, menu)
+        self.export_button.setMenu(menu)
+        self._explain()
+        self._lay_out()
+        self._connect()
 
     @property
     def leaf(self) -> Leaf | None:
@@ -79,31 +59,38 @@ class WrinklesPanel(Panel):
         leaf = self.controller.project.state.leaves.get(self.controller.view.leaf or "")
         return leaf if leaf is not None and leaf.scan == self.controller.current else None
 
-    def refresh(self) -> None:
-        """Show the Δω of the current leaf, or what is missing for it."""
-        leaf = self.leaf
-        missing, action = self._find_missing()
-        self.title.setText("" if leaf is None else f"<b>{leaf.name}</b>")
-        self.title.setVisible(leaf is not None)
-        self.notice.say(missing, action)
-        self.colour_button.setVisible(not missing)
-        self.colour_button.setChecked(self.controller.view.colour == FIELD)
-        if missing or leaf is None:
-            self.body.setVisible(False)
-            self.seen, self._seen_for = None, None
-            return
-        members = leaf.members.indices
-        if self.ask(leaf.scan, FIELD, members):
-            self._show_leaf(leaf.scan, members)
+    def on_document(self, change: Change) -> None:
+        """Let go of what belongs to a document that is gone."""
+        if change is EVERYTHING:
+            self.measuring.forget()
+            self._shown = None
+        super().on_document(change)
 
-    def restyle(self) -> None:
-        """Draw in the new colours."""
-        if self.seen is not None:
-            self._show_seen(self.seen)
+    def refresh(self) -> None:
+        """Show what is known of the leaves, or what is missing for it."""
+        state, scan = self.controller.scan, self.controller.current
+        missing, action = self._find_missing()
+        self.notice.say(missing, action)
+        self.form.setVisible(not missing)
+        self.busy.setVisible(not missing)
+        measured = None if missing else self.measuring.find(scan)
+        if state is not None and scan is not None and not missing:
+            self.form.follow(state)
+            self._tell_busy(scan, measured)
+        self._show(scan, measured)
+
+    def measure(self) -> None:
+        """Measure all leaves of the scan in the background."""
+        scan = self.controller.current
+        if scan is not None and not self.form.lack:
+            self._trouble = ""
+            self.measuring.measure(scan, self.form.request())
+
+    # What is shown
 
     def _find_missing(self) -> tuple[str, str]:
-        state = self.controller.scan
-        if state is None:
+        state, scan = self.controller.scan, self.controller.current
+        if state is None or scan is None:
             return self.tr("Open a scan to see how its leaves are wrinkled."), ""
         if not state.channels:
             return self.tr("This scan has no intensity, and wrinkles are read from it."), ""
@@ -111,127 +98,162 @@ class WrinklesPanel(Panel):
             return self.tr(
                 "Nobody knows where the scanner stood, and without that there are no angles."
             ), self.tr("Set position…")
-        if self.leaf is None:
-            return self.tr("Choose a leaf in the Leaves panel, or draw one with the lasso."), ""
-        if state.parameters.curve is None:
+        if not self.controller.project.state.leaves_of(scan):
             return self.tr(
-                "No curve is in use that turns intensity into an angle. Fit one to this leaf, "
-                "or choose a curve in the Phase lab."
-            ), self.tr("Fit and use")
+                "There is no leaf yet. Find them all, or draw around one with the lasso."
+            ), self.tr("Find leaves")
         return "", ""
 
-    def _show_leaf(self, scan: str, members: Ints) -> None:
-        project, state = self.controller.project, self.controller.scan
-        if state is None or state.parameters.curve is None:
+    def _tell_busy(self, scan: str, measured: Measured | None) -> None:
+        lack = self.form.lack
+        words = lack or self._trouble
+        if not words and self.measuring.is_stale(scan, self.form.request()):
+            words = self.tr("⚠ Something has changed since: measure again.")
+        self.busy.show_state(self.measuring.busy, words)
+        self.busy.button.setEnabled(not self.measuring.busy and not lack)
+        said = [] if measured is None else list(measured.found.warnings)
+        if said and self.controller.project.state.scan(scan).parameters.beam is None:
+            said.append(self.tr("Give the beam under Scan ▸ Incidence angles."))
+        self.remarks.setText("\n".join(said))
+
+    def _show(self, scan: str | None, measured: Measured | None) -> None:
+        for part in (self.claim_box, self.table, self.page, self.colour_button,
+                     self.export_button, self.leaf_notice):  # fmt: skip
+            part.setVisible(measured is not None)
+        self.remarks.setVisible(measured is not None and bool(self.remarks.text()))
+        if measured is None or scan is None:
+            self._shown = None
+            self.export.offer((), None, ())
             return
-        known = Same(project.known_field(scan, FIELD))
-        mark = (scan, Same(members), known, Same(state.deleted), Same(state.parameters))
-        if mark == self._seen_for:
-            return
-        self._seen_for = mark
-        source = find_source(project.state, scan, state.parameters.curve)
-        sigma = state.channel(state.parameters.curve.channel).sigma
-        noise = sigma if sigma is not None else (0.0 if source is None else source.rmse)
-        aside = copy_aside(project, scan)
+        leaves = self.controller.project.state.leaves_of(scan)
+        current = "" if self.leaf is None else self.leaf.key
+        rows = {leaf.key: measured.rows[leaf.key] for leaf in leaves if leaf.key in measured.rows}
+        self.table.show_leaves(leaves, rows, current)
+        found = measured.leaves.get(current)
+        self._show_leaf(measured, found)
+        self.claim.setText(self._tell_claim(measured, found))
+        named = [{"scan": scan, **row} for row in rows.values()]
+        self.export.offer(named, found, tuple(measured.leaves.values()))
+        self.colour_button.setChecked(self.controller.view.colour in (DELTA, SIGNIFICANCE))
 
-        def look() -> SeenLeaf | LeafscopeError:
-            try:
-                return see_leaf(aside, scan, members, noise)
-            except LeafscopeError as error:
-                return error
-
-        def done(found: SeenLeaf | LeafscopeError) -> None:
-            if mark == self._seen_for:
-                self._show_found(found)
-
-        if len(members) <= FEW_POINTS:
-            done(look())
+    def _show_leaf(self, measured: Measured, found: LeafWrinkles | None) -> None:
+        if found is None:
+            self.leaf_notice.say(
+                self.tr("Choose a leaf in the table.") if self.leaf is None
+                else self.tr("This leaf is newer than the measurement: measure again.")
+            )  # fmt: skip
+        elif found.judged is None:
+            self.leaf_notice.say(f"{found.leaf.name}: {found.refusal}")
         else:
-            self.controller.run(self.tr("Drawing Δω"), lambda _: look(), done)
+            self.leaf_notice.say("")
+            if self._shown != (measured, found.leaf.key):
+                self._shown = (measured, found.leaf.key)
+                self.page.show_leaf(found, measured.rows[found.leaf.key])
+        self.page.setVisible(found is not None and found.judged is not None)
 
-    def _show_found(self, found: SeenLeaf | LeafscopeError) -> None:
-        self.seen = found if isinstance(found, SeenLeaf) else None
-        self.body.setVisible(self.seen is not None)
-        if isinstance(found, SeenLeaf):
-            self._show_seen(found)
-        else:
-            self.notice.say(str(found))
-
-    def _show_seen(self, seen: SeenLeaf) -> None:
-        limit = seen.limit
-        self.map.show_leaf(seen, limit)
-        self.histogram.show_distribution(seen.spread, limit)
-        self.strip.show_texts(
-            self.tr("{angle}° face-on").format(angle=show_number(-limit, 0)),
-            self.tr("0° on the plane"),
-            self.tr("edge-on {angle}°").format(angle=show_signed(limit, 0)),
-        )
-        self.facts.show_facts(self._list_facts(seen))
-        self.facts.setToolTip(
-            self.tr(
-                "Doubtful: near face-on and beyond 60° intensity says little about the angle. "
-                "Off the curve: the curve in use nowhere has that intensity."
+    def _tell_claim(self, measured: Measured, found: LeafWrinkles | None) -> str:
+        """What may be claimed of this leaf; without one, of the first that has a curve."""
+        every = (found, *measured.leaves.values())
+        known = (each.calibration for each in every if each is not None)
+        first = next((calibration for calibration in known if calibration is not None), None)
+        if first is None:
+            return self.tr("Nothing can be said of any of the {n} leaves.").format(
+                n=show_count(len(measured.leaves))
             )
-        )
+        return tell_claim(first)
 
-    def _list_facts(self, seen: SeenLeaf) -> list[tuple[str, str]]:
-        spread = seen.spread
-        mean, median, sd, shift = (
-            float(to_degrees(v)) for v in (spread.mean, spread.median, spread.sd, spread.shift)
-        )
-        modes = ", ".join(f"{show_signed(float(to_degrees(m)))}°" for m in spread.modes)
-        from_mean = self.tr("{angle}° (shift {shift}°)").format(
-            angle=show_number(seen.plane + shift, 1), shift=show_signed(shift)
-        )
-        return [
-            (self.tr("ω of the leaf's plane"), f"{show_number(seen.plane, 1)}°"),
-            (
-                self.tr("ω from the mean intensity"),
-                from_mean if math.isfinite(shift) else self.tr("not on the curve"),
-            ),
-            (self.tr("Δω, mean ± sd"), f"{show_signed(mean)}° ± {show_number(sd, 1)}°"),
-            (self.tr("Δω, median"), f"{show_signed(median)}°"),
-            (self.tr("Skewness"), show_signed(spread.skewness, 2)),
-            (self.tr("Peaks of Δω"), self._tell_modes(modes, len(spread.modes))),
-            (
-                self.tr("Points"),
-                self.tr("{n}, {m} more are off the curve").format(
-                    n=show_count(spread.count), m=show_count(spread.undefined)
-                ),
-            ),
-            (
-                self.tr("Doubtful (faint)"),
-                self.tr("{share} % of the points").format(
-                    share=show_number(100 * seen.doubtful, 0)
-                ),
-            ),
-        ]
-
-    def _tell_modes(self, modes: str, count: int) -> str:
-        if count == 1:
-            return self.tr("{modes} (one: a simple curvature)").format(modes=modes)
-        return self.tr("{modes} (several: wrinkles)").format(modes=modes)
+    # What the user does
 
     def _on_notice(self) -> None:
-        state, scan, leaf = self.controller.scan, self.controller.current, self.leaf
-        if state is None or scan is None:
+        scan, state = self.controller.current, self.controller.scan
+        if scan is None or state is None:
             return
         if state.scan.pose is None:
             self.origin_asked.emit(scan)
-        elif leaf is not None:
-            self._awaits_fit = True
-            channel = channel_in_use(self.controller.project, scan)
-            self.work.fit([leaf.key], DEFAULT_MODEL, channel)
+        else:
+            self.work.find_all()
 
-    def _on_fitted(self, record: FitRecord) -> None:
-        if self._awaits_fit:
-            self._awaits_fit = False
-            self.work.use_fit(record)
+    def _on_refused(self, sentence: str) -> None:
+        self._trouble = sentence
+        self.refresh_soon()
+
+    def _on_choice(self) -> None:
+        self._trouble = ""
+        self.refresh_soon()
+
+    def _choose(self, key: str) -> None:
+        self.controller.look(leaf=key)
 
     def _on_colour(self, wanted: bool) -> None:
-        self.controller.look(colour=FIELD if wanted else self._other_colour())
+        field = DELTA if self.page.views.shown == "delta" else SIGNIFICANCE
+        self.controller.look(colour=field if wanted else self._other_colour())
+
+    def _on_quantity(self, _: int) -> None:
+        if self.colour_button.isChecked():
+            self._on_colour(True)
 
     def _other_colour(self) -> str:
         state = self.controller.scan
         channels = () if state is None else state.channels
         return channels[0].name if channels else ""
+
+    def _ask_table(self) -> None:
+        self.dialogs.ask_file(
+            self.tr("A goniometer table: angle, value"), ".csv", self.form.source.take_file, self
+        )
+
+    def _ask_file(self, word: str, suffix: str) -> None:
+        state = self.controller.scan
+        stem = "scan" if state is None else Path(state.scan.name).stem
+        suggested = self.dialogs.folder / f"{stem}-{word}{suffix}"
+        self.dialogs.ask_save(suggested, self.export.write, self)
+
+    # How it looks
+
+    def _explain(self) -> None:
+        self.colour_button.setCheckable(True)
+        self.colour_button.setToolTip(
+            self.tr("The 3-D view shows what the map shows: Δω, or Δω over its σ")
+        )
+        self.export_button.setToolTip(self.tr("The table of all leaves, and figures"))
+        for label in (self.claim, self.remarks):
+            label.setWordWrap(True)
+            label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.claim.setAccessibleName(self.tr("What may be claimed"))
+        self.remarks.setForegroundRole(QPalette.ColorRole.PlaceholderText)
+        self.claim_box = QFrame(self)
+        self.claim_box.setProperty("notice", "info")
+
+    def _lay_out(self) -> None:
+        inner = QVBoxLayout(self.claim_box)
+        inner.addWidget(self.claim)
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.colour_button)
+        buttons.addStretch(1)
+        buttons.addWidget(self.export_button)
+        content = QWidget(self)
+        column = QVBoxLayout(content)
+        for part in (self.notice, self.form, self.busy, self.table, self.leaf_notice, self.page,
+                     self.remarks):  # fmt: skip
+            column.addWidget(part)
+        column.addLayout(buttons)
+        column.addStretch(1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        # Outside what scrolls: the claim is seen with whatever is looked at.
+        layout.addWidget(self.claim_box)
+        layout.addWidget(Column(content, self), 1)
+
+    def _connect(self) -> None:
+        self.notice.clicked.connect(self._on_notice)
+        self.form.changed.connect(self._on_choice)
+        self.form.source.file_asked.connect(self._ask_table)
+        self.busy.asked.connect(self.measure)
+        self.busy.cancelled.connect(self.measuring.cancel)
+        self.measuring.changed.connect(self.refresh_soon)
+        self.measuring.refused.connect(self._on_refused)
+        self.measuring.progressed.connect(self.busy.show_progress)
+        self.table.chosen.connect(self._choose)
+        self.colour_button.clicked.connect(self._on_colour)
+        self.page.views.tabs.currentChanged.connect(self._on_quantity)
+        self.export.file_asked.connect(self._ask_file)

@@ -1,0 +1,1 @@
+"""Angles from intensity in full: curves, offsets, validity, errors, wrinkles of a leaf."""

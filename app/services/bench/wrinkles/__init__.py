@@ -1,0 +1,1 @@
+"""``leafscope bench wrinkles``: angles from intensity against the truth."""

@@ -1,0 +1,1 @@
+"""Wrinkles of the leaves of a scan: calibrated, measured, tabulated and drawn."""
