@@ -1,252 +1,144 @@
-"""Ghosts: points between two surfaces, found by score, then marked, deleted or corrected."""
+"""Ghosts: points between two surfaces, found by score, explained, and cleaned up."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from uuid import uuid4
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QLabel, QSizePolicy, QTabWidget, QVBoxLayout, QWidget
 
-from PySide6.QtCore import QSignalBlocker, Qt
-from PySide6.QtWidgets import (
-    QCheckBox,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSlider,
-    QVBoxLayout,
-    QWidget,
-)
-
+from app.model.events import EVERYTHING, Change
 from app.model.fields import Same, Values
-from app.model.operations import MarkGhosts
-from app.model.points import PointSet
-from app.model.selection import FieldRange
-from widgets.common.ghost_counts import GhostCounts, count_ghosts
+from widgets.common.ghosts.find_page import FindPage
+from widgets.common.ghosts.session_page import SessionPage
 from widgets.common.notice import Notice
-from widgets.common.numbers import NumberField, show_count, show_number
 from widgets.common.panel import Panel, make_scrolling
-from widgets.common.score_plot import ScorePlot
 
-SCORE, GHOST = "ghost_score", "ghost"
-STEPS = 100
-FEW_POINTS = 200_000
+SCORE = "ghost_score"
 
 
 class GhostsPanel(Panel):
-    """Score, threshold and what to do with the ghosts."""
+    """Two pages: find ghosts, and go through them.
+
+    Signals
+    -------
+    session_shown(bool)
+        The page of the queue came to the front, or went.
+    """
+
+    session_shown = Signal(bool)
 
     def build(self) -> None:
         """Make the parts of the panel."""
         self.setObjectName("ghosts")
         self.setWindowTitle(self.tr("Ghosts"))
-        self.counts: GhostCounts | None = None
-        self._counts_for: Hashable = None
-        self._drag = uuid4().hex
-        self._colour_before = ""
+        self._kept_up: Same | None = None
         self.notice = Notice(self)
-        self.plot = ScorePlot(self)
-        self.slider = QSlider(Qt.Orientation.Horizontal, self)
-        self.field = NumberField(0.0, 1.0, 2, "", self)
-        self.summary = QLabel(self)
-        self.preview = QCheckBox(self.tr("Colour the cloud by &ghost"), self)
-        self.mark_button = QPushButton(self.tr("&Mark"), self)
-        self.delete_button = QPushButton(self.tr("&Delete"), self)
-        self.correct_button = QPushButton(self.tr("&Correct"), self)
-        self.unmark_button = QPushButton(self.tr("&Unmark"), self)
+        self.finder = FindPage(self.controller, self.work, self)
+        self.page = SessionPage(self.controller, self)
+        self.pages = QTabWidget(self)
+        self.pages.setDocumentMode(True)
+        self.pages.addTab(self.finder, self.tr("Find"))
+        self.pages.addTab(self.page, self.tr("Go through"))
+        self.pages.setTabToolTip(0, self.tr("Which points count as ghosts; act on all at once"))
+        self.pages.setTabToolTip(
+            1, self.tr("One after the other: why it is a ghost, and what is to become of it")
+        )
+        self.pages.tabBar().setAccessibleName(self.tr("Find ghosts, or go through them"))
+        self.point = QLabel(self)
+        self.point.setWordWrap(True)
+        self.point.setAccessibleName(self.tr("What is known of the point that was picked"))
+        self.point.hide()
         self._arrange()
-        self._explain()
+        self._make_room(0)
         self._connect()
 
     def _arrange(self) -> None:
-        self.slider.setRange(0, STEPS)
-        self.slider.setPageStep(STEPS // 20)
-        self.field.setSingleStep(0.05)
-        self.summary.setWordWrap(True)
-        label = QLabel(self.tr("&Threshold"), self)
-        label.setBuddy(self.field)
-        row = QHBoxLayout()
-        row.addWidget(label)
-        row.addWidget(self.slider, 1)
-        row.addWidget(self.field)
-        buttons = QGridLayout()
-        for place, button in enumerate(self._buttons):
-            buttons.addWidget(button, place // 2, place % 2)
-        self.body = QWidget(self)
-        inner = QVBoxLayout(self.body)
-        inner.setContentsMargins(0, 0, 0, 0)
-        inner.addWidget(self.plot, 1)
-        inner.addLayout(row)
-        inner.addWidget(self.summary)
-        inner.addWidget(self.preview)
-        inner.addLayout(buttons)
         content = QWidget(self)
         layout = QVBoxLayout(content)
         layout.addWidget(self.notice)
-        layout.addWidget(self.body, 1)
+        layout.addWidget(self.pages, 1)
+        layout.addWidget(self.point)
         layout.addStretch(0)
         make_scrolling(content, self)
 
-    def _explain(self) -> None:
-        for widget in (self.slider, self.field):
-            widget.setAccessibleName(self.tr("Ghost threshold, 0 to 1"))
-            widget.setToolTip(self.tr("Points with this score or more count as ghosts (0–1)"))
-        for button, tip in zip(
-            self._buttons,
-            (
-                self.tr("Mark what the threshold calls ghosts; nothing is removed"),
-                self.tr("Delete the ghosts; undo brings them back"),
-                self.tr("Put ghosts back on the surface that fills most of their beam"),
-                self.tr("Forget all marks of this scan: the score decides again"),
-            ),
-            strict=True,
-        ):
-            button.setToolTip(tip)
-
-    @property
-    def _buttons(self) -> tuple[QPushButton, ...]:
-        return self.mark_button, self.delete_button, self.correct_button, self.unmark_button
-
     def _connect(self) -> None:
         self.notice.clicked.connect(self._on_notice)
-        self.slider.sliderPressed.connect(self._on_grabbed)
-        self.slider.valueChanged.connect(self._on_slider)
-        self.slider.sliderReleased.connect(self._commit)
-        self.field.valueChanged.connect(self._on_field)
-        self.plot.moved.connect(self.show_threshold)
-        self.plot.released.connect(self._on_line)
-        self.preview.clicked.connect(self._on_preview)
-        self.mark_button.clicked.connect(self.work.mark_ghosts)
-        self.delete_button.clicked.connect(self.work.delete_ghosts)
-        self.correct_button.clicked.connect(self.work.correct_ghosts)
-        self.unmark_button.clicked.connect(self.unmark)
+        self.pages.currentChanged.connect(self._on_page)
+        self.finder.settings.answers_changed.connect(self.refresh_soon)
 
     @property
-    def threshold(self) -> float:
-        """The threshold that is shown."""
-        return self.field.value()
+    def in_session(self) -> bool:
+        """Whether somebody goes through the queue."""
+        return self.page.isVisible()
 
-    def refresh(self) -> None:
-        """Show score and threshold of the current scan, or what is missing."""
-        state, known = self.controller.scan, self._known_score()
-        missing, action = self._find_missing(known)
-        self.notice.say(missing, action)
-        self.body.setVisible(known is not None)
-        self.preview.setChecked(self.controller.view.colour == GHOST)
-        if state is None or known is None:
-            self.counts, self._counts_for = None, None
-            return
-        if not self.slider.isSliderDown():
-            self.show_threshold(state.parameters.ghost_threshold)
-        mark = (Same(known), Same(state.marks), Same(state.deleted))
-        if mark != self._counts_for:
-            self._counts_for = mark
-            self._count(known, mark)
-        else:
-            self._tell()
-
-    def restyle(self) -> None:
-        """Draw in the new colours."""
-        self.plot.restyle()
-
-    def show_threshold(self, threshold: float) -> None:
-        """Show what a threshold would do; the document is not touched."""
-        with QSignalBlocker(self.slider), QSignalBlocker(self.field):
-            self.slider.setValue(round(threshold * STEPS))
-            self.field.setValue(threshold)
-        self.plot.show_threshold(self.threshold)
-        self._tell()
-
-    def _known_score(self) -> Values | None:
+    @property
+    def known_score(self) -> Values | None:
+        """Score of all points of the current scan, if it is there."""
         scan = self.controller.current
         if scan is None:
             return None
         known = self.controller.project.known_field(scan, SCORE)
         return known if known is not None and known.complete else None
 
+    def refresh(self) -> None:
+        """Show score and queue of the current scan, or what is missing."""
+        known = self.known_score
+        if known is not None:
+            self._kept_up = self._current_scan()
+        missing, action = self._find_missing(known)
+        self.notice.say(missing, action)
+        self.pages.setVisible(known is not None)
+        if known is None:
+            self.point.hide()
+        self.finder.show_score(known)
+        if self.pages.currentIndex() == 1:
+            settings = self.finder.settings
+            self.page.session.follow(known, settings.sure, settings.uncertain)
+        elif known is None:
+            self.page.session.drop()
+
+    def on_document(self, change: Change) -> None:
+        """Let go of a document that is gone."""
+        if change is EVERYTHING:
+            self._kept_up = None
+            self.page.session.drop()
+        super().on_document(change)
+
+    def restyle(self) -> None:
+        """Draw in the new colours."""
+        self.finder.plot.restyle()
+
+    def explain(self, text: str) -> None:
+        """Show what is known of the point that was picked; nothing hides it."""
+        self.point.setText(text)
+        self.point.setVisible(bool(text) and self.known_score is not None)
+
     def _find_missing(self, known: Values | None) -> tuple[str, str]:
-        state = self.controller.scan
-        if state is None:
+        state, scan = self.controller.scan, self.controller.current
+        if state is None or scan is None:
             return self.tr("Open a scan to look for ghost points in it."), ""
         if state.scan.pose is None:
             return self.tr(
                 "Nobody knows where the scanner stood. Ghosts lie along its beams, so the "
                 "score needs its position."
             ), self.tr("Set position…")
-        if known is None:
-            return self.tr(
-                "Where a beam met two surfaces, the scanner reports a ghost in between. "
-                "The score tells how much each point looks like one."
-            ), self.tr("Compute score")
-        return "", ""
+        if known is not None:
+            return "", ""
+        if self._is_kept_up():
+            self.ask(scan, SCORE, None)
+            if self.controller.bridge.jobs:
+                return self.tr("The points are not where they were: the score is found anew."), ""
+        return self.tr(
+            "Where a beam met two surfaces, the scanner reports a ghost in between. "
+            "The score tells how much each point looks like one."
+        ), self.tr("Compute score")
 
-    def _count(self, known: Values, mark: Hashable) -> None:
-        state = self.controller.scan
-        if state is None:
-            return
-        score, marks, alive = known.values, state.marks, state.alive
+    def _is_kept_up(self) -> bool:
+        """Whether the score of this scan was shown before: then it follows the points."""
+        return self._kept_up is not None and self._kept_up == self._current_scan()
 
-        def done(found: GhostCounts) -> None:
-            if mark == self._counts_for:
-                self.counts = found
-                self.plot.show_counts(found.histogram, self.threshold)
-                self._tell()
-
-        if len(score) <= FEW_POINTS:
-            done(count_ghosts(score, marks, alive))
-        else:
-            title = self.tr("Counting ghosts")
-            self.controller.run(title, lambda _: count_ghosts(score, marks, alive), done)
-
-    def _tell(self) -> None:
-        counts = self.counts
-        if counts is None:
-            self.summary.clear()
-            return
-        ghosts = counts.count(self.threshold)
-        share = 100.0 * ghosts / counts.total if counts.total else 0.0
-        text = self.tr("<b>{n} ghosts</b>, {share} % of {total} points").format(
-            n=show_count(ghosts), share=show_number(share, 2), total=show_count(counts.total)
-        )
-        if counts.marked or counts.kept:
-            text += "<br>" + self.tr("Judged by hand: {n} ghosts, {m} kept").format(
-                n=show_count(counts.marked), m=show_count(counts.kept)
-            )
-        self.summary.setText(text)
-        for button in (self.mark_button, self.delete_button, self.correct_button):
-            button.setEnabled(ghosts > 0)
-        self.unmark_button.setEnabled(counts.marked + counts.kept > 0)
-
-    def unmark(self) -> None:
-        """Forget all marks of the scan."""
-        scan, state = self.controller.current, self.controller.scan
-        if scan is not None and state is not None:
-            judged = PointSet.from_mask(state.marks != 0)
-            self.controller.do(MarkGhosts(scan, cleared=judged, basis=FieldRange(GHOST, 0.0, 1.0)))
-
-    def _commit(self) -> None:
-        state = self.controller.scan
-        if state is not None and self.threshold != state.parameters.ghost_threshold:
-            self.work.set_parameters(
-                drag=f"ghost threshold {self._drag}", ghost_threshold=self.threshold
-            )
-
-    def _on_grabbed(self) -> None:
-        self._drag = uuid4().hex
-
-    def _on_slider(self, position: int) -> None:
-        self.show_threshold(position / STEPS)
-        if not self.slider.isSliderDown():
-            self._commit()  # moved by the keyboard or the wheel
-
-    def _on_field(self, value: float) -> None:
-        self._drag = uuid4().hex
-        self.show_threshold(value)
-        self._commit()
-
-    def _on_line(self, value: float) -> None:
-        self._drag = uuid4().hex
-        self.show_threshold(value)
-        self._commit()
+    def _current_scan(self) -> Same:
+        """The current scan as it was read, whatever was done to it since."""
+        return Same(self.controller.project.state.library.get(self.controller.current or ""))
 
     def _on_notice(self) -> None:
         state, scan = self.controller.scan, self.controller.current
@@ -257,7 +149,16 @@ class GhostsPanel(Panel):
         else:
             self.controller.want(scan, SCORE)
 
-    def _on_preview(self, wanted: bool) -> None:
-        if wanted:
-            self._colour_before = self.controller.view.colour
-        self.controller.look(colour=GHOST if wanted else self._colour_before)
+    def _make_room(self, page: int) -> None:
+        """Let the page that is not shown claim no height."""
+        policy = QSizePolicy.Policy
+        for number, each in enumerate((self.finder, self.page)):
+            vertical = policy.Preferred if number == page else policy.Ignored
+            each.setSizePolicy(policy.Preferred, vertical)
+
+    def _on_page(self, page: int) -> None:
+        self._make_room(page)
+        self.session_shown.emit(page == 1)
+        self.refresh_soon()
+        if page == 1:
+            self.page.table.setFocus()

@@ -17,7 +17,7 @@ def panel(opened, qtbot):
     panel = opened.show(GhostsPanel)
     qtbot.waitUntil(lambda: "Compute" in panel.notice.button.text())
     qtbot.mouseClick(panel.notice.button, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: panel.counts is not None, timeout=60_000)
+    qtbot.waitUntil(lambda: panel.finder.counts is not None, timeout=60_000)
     return panel
 
 
@@ -30,72 +30,84 @@ def brute_count(opened, threshold: float) -> int:
 
 
 def said_count(panel) -> int:
-    return int(panel.summary.text().split("<b>")[1].split(" ")[0].replace("\u202f", ""))
+    return int(panel.finder.summary.text().split("<b>")[1].split(" ")[0].replace("\u202f", ""))
 
 
 def test_counts_are_those_of_the_score(panel, opened, qtbot) -> None:
     threshold = opened.controller.scan.parameters.ghost_threshold
-    assert panel.threshold == threshold
+    assert panel.finder.threshold == threshold
     assert said_count(panel) == brute_count(opened, threshold) > 100
     for value in (0.0, 0.31, 0.5, 0.99, 1.0):
-        panel.show_threshold(value)
+        panel.finder.show_threshold(value)
         assert said_count(panel) == brute_count(opened, value)
-    assert panel.counts.histogram.sum() == panel.counts.total == opened.controller.scan.shown
+    assert (
+        panel.finder.counts.histogram.sum()
+        == panel.finder.counts.total
+        == opened.controller.scan.shown
+    )
 
 
 def test_dragging_previews_and_releasing_commits(panel, opened, qtbot) -> None:
+    qtbot.mouseClick(panel.finder.settings.more, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(panel.finder.settings.slider.isVisible)
     steps = len(opened.controller.project.history.done)
     old = opened.controller.scan.parameters.ghost_threshold
     option = QStyleOptionSlider()
-    panel.slider.initStyleOption(option)
+    panel.finder.settings.slider.initStyleOption(option)
     start = (
-        panel.slider.style()
+        panel.finder.settings.slider.style()
         .subControlRect(
-            QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, panel.slider
+            QStyle.ComplexControl.CC_Slider,
+            option,
+            QStyle.SubControl.SC_SliderHandle,
+            panel.finder.settings.slider,
         )
         .center()
     )
-    qtbot.mousePress(panel.slider, Qt.MouseButton.LeftButton, pos=start)
+    qtbot.mousePress(panel.finder.settings.slider, Qt.MouseButton.LeftButton, pos=start)
     for step in (20, 40, 70):
-        qtbot.mouseMove(panel.slider, start - QPoint(step, 0))
-    qtbot.waitUntil(lambda: panel.threshold < old)
-    wanted = panel.threshold
+        qtbot.mouseMove(panel.finder.settings.slider, start - QPoint(step, 0))
+    qtbot.waitUntil(lambda: panel.finder.threshold < old)
+    wanted = panel.finder.threshold
     assert said_count(panel) == brute_count(opened, wanted)
-    assert panel.plot.line.value() == pytest.approx(wanted)
+    assert panel.finder.plot.line.value() == pytest.approx(wanted)
     assert opened.controller.scan.parameters.ghost_threshold == old
     assert len(opened.controller.project.history.done) == steps
-    qtbot.mouseRelease(panel.slider, Qt.MouseButton.LeftButton, pos=start - QPoint(70, 0))
+    qtbot.mouseRelease(
+        panel.finder.settings.slider, Qt.MouseButton.LeftButton, pos=start - QPoint(70, 0)
+    )
     assert opened.controller.scan.parameters.ghost_threshold == wanted
     assert len(opened.controller.project.history.done) == steps + 1
     opened.controller.undo()
-    qtbot.waitUntil(lambda: panel.threshold == old)
+    qtbot.waitUntil(lambda: panel.finder.threshold == old)
     assert said_count(panel) == brute_count(opened, old)
 
 
 def test_a_typed_threshold_is_one_step(panel, opened, qtbot) -> None:
+    qtbot.mouseClick(panel.finder.settings.more, Qt.MouseButton.LeftButton)
     steps = len(opened.controller.project.history.done)
-    panel.field.setFocus()
-    panel.field.selectAll()
-    qtbot.keyClicks(panel.field, "0.25")
-    qtbot.keyClick(panel.field, Qt.Key.Key_Return)
+    panel.finder.settings.field.setFocus()
+    panel.finder.settings.field.selectAll()
+    qtbot.keyClicks(panel.finder.settings.field, "0.25")
+    qtbot.keyClick(panel.finder.settings.field, Qt.Key.Key_Return)
     assert opened.controller.scan.parameters.ghost_threshold == 0.25
-    assert panel.slider.value() == 25
+    assert panel.finder.settings.slider.value() == 25
     assert len(opened.controller.project.history.done) == steps + 1
 
 
 def test_mark_unmark_and_undo(panel, opened, qtbot) -> None:
     ghosts = said_count(panel)
-    assert not panel.unmark_button.isEnabled()
-    qtbot.mouseClick(panel.mark_button, Qt.MouseButton.LeftButton)
+    assert not panel.finder.unmark_button.isEnabled()
+    qtbot.mouseClick(panel.finder.mark_button, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: (opened.controller.scan.marks == 1).sum() == ghosts)
-    qtbot.waitUntil(lambda: panel.unmark_button.isEnabled())
-    assert "Judged by hand" in panel.summary.text()
-    panel.show_threshold(1.0)
+    qtbot.waitUntil(lambda: panel.finder.unmark_button.isEnabled())
+    assert "Judged by hand" in panel.finder.summary.text()
+    panel.finder.show_threshold(1.0)
     assert said_count(panel) >= ghosts, "what is marked stays a ghost at any threshold"
-    qtbot.mouseClick(panel.unmark_button, Qt.MouseButton.LeftButton)
+    qtbot.mouseClick(panel.finder.unmark_button, Qt.MouseButton.LeftButton)
     assert not opened.controller.scan.marks.any()
     opened.controller.undo()
-    qtbot.waitUntil(lambda: "Judged by hand" in panel.summary.text())
+    qtbot.waitUntil(lambda: "Judged by hand" in panel.finder.summary.text())
 
 
 def test_kept_points_are_no_ghosts(panel, opened, qtbot) -> None:
@@ -110,31 +122,37 @@ def test_kept_points_are_no_ghosts(panel, opened, qtbot) -> None:
 
 def test_delete_and_bring_back(panel, opened, qtbot) -> None:
     ghosts, shown = said_count(panel), opened.controller.scan.shown
-    qtbot.mouseClick(panel.delete_button, Qt.MouseButton.LeftButton)
+    qtbot.mouseClick(panel.finder.delete_button, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: opened.controller.scan.shown == shown - ghosts)
     qtbot.waitUntil(lambda: said_count(panel) == 0)
-    assert not panel.delete_button.isEnabled()
+    assert not panel.finder.delete_button.isEnabled()
     opened.controller.undo()
     qtbot.waitUntil(lambda: said_count(panel) == ghosts)
 
 
-def test_correction_moves_ghosts_and_asks_for_a_new_score(panel, opened, qtbot) -> None:
+def test_correction_moves_ghosts_and_finds_the_score_anew(panel, opened, qtbot) -> None:
     old = opened.controller.scan.scan.xyz
-    qtbot.mouseClick(panel.correct_button, Qt.MouseButton.LeftButton)
+    qtbot.mouseClick(panel.finder.correct_button, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: opened.controller.scan.scan.xyz is not old, timeout=30_000)
-    qtbot.waitUntil(lambda: "Compute" in panel.notice.button.text())
+    qtbot.waitUntil(lambda: panel.known_score is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: panel.finder.isVisible())
     opened.controller.undo()
     assert np.array_equal(opened.controller.scan.scan.xyz, old)
+    qtbot.waitUntil(lambda: panel.known_score is not None, timeout=30_000)
 
 
 def test_the_cloud_can_be_coloured_and_gets_its_colour_back(panel, opened, qtbot) -> None:
     opened.controller.look(colour="far")
     qtbot.mouseClick(
-        panel.preview, Qt.MouseButton.LeftButton, pos=QPoint(8, panel.preview.height() // 2)
+        panel.finder.preview,
+        Qt.MouseButton.LeftButton,
+        pos=QPoint(8, panel.finder.preview.height() // 2),
     )
     assert opened.controller.view.colour == "ghost"
     qtbot.mouseClick(
-        panel.preview, Qt.MouseButton.LeftButton, pos=QPoint(8, panel.preview.height() // 2)
+        panel.finder.preview,
+        Qt.MouseButton.LeftButton,
+        pos=QPoint(8, panel.finder.preview.height() // 2),
     )
     assert opened.controller.view.colour == "far"
 
@@ -147,3 +165,21 @@ def test_a_missing_position_is_said(desk, qtbot, make_scan) -> None:
     with qtbot.waitSignal(panel.origin_asked) as asked:
         qtbot.mouseClick(panel.notice.button, Qt.MouseButton.LeftButton)
     assert asked.args == [key]
+
+
+def test_three_steps_set_the_threshold_each_as_one_step(panel, opened, qtbot) -> None:
+    steps, settings = len(opened.controller.project.history.done), panel.finder.settings
+    settings.steps.setFocus()
+    qtbot.keyClick(settings.steps, Qt.Key.Key_Left)
+    assert opened.controller.scan.parameters.ghost_threshold == 0.8
+    assert "good points" in settings.step_words.text()
+    qtbot.keyClick(settings.steps, Qt.Key.Key_Right)
+    qtbot.keyClick(settings.steps, Qt.Key.Key_Right)
+    assert opened.controller.scan.parameters.ghost_threshold == 0.2
+    assert len(opened.controller.project.history.done) == steps + 3
+    panel.finder.show_threshold(0.63)
+    assert "own threshold" in settings.step_words.text()
+
+
+def test_the_method_of_the_score_is_said(panel) -> None:
+    assert "scan grid" in panel.finder.method.text()
