@@ -150,4 +150,8 @@ class ActionTable(QObject):
             "click sets the centre. **Lasso**: Shift adds, Ctrl or Alt takes away, hold Space to "
             "turn, Esc puts it away.\n"
         )
-        return head + "\n".join(lines) + mouse
+        ghosts = self.tr(
+            "\n\n**Clean-up of ghosts** (panel Ghosts, Go through; with the focus on the queue or "
+            "the picture): N next, P previous, A accept, R keep, D delete, C correct.\n"
+        )
+        return head + "\n".join(lines) + mouse + ghosts

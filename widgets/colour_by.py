@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QComboBox, QWidget
 
 from app.model.events import Change
 from widgets.controller import Controller
-from widgets.fields_at_hand import FieldAtHand, list_fields
+from widgets.fields_at_hand import MEASURED, FieldAtHand, list_fields
 
 NAME = int(Qt.ItemDataRole.UserRole)
 WIDEST = 28  # heights of a line
@@ -88,7 +88,7 @@ class ColourBy(QComboBox):
             self.setCurrentIndex(max(self.findData(self._controller.view.colour, NAME), 0))
 
     def _follow_document(self, change: Change) -> None:
-        if change.aspects & CONCERNS:
+        if change.aspects & CONCERNS or change.fields & set(MEASURED):
             self.rebuild()
 
     def _follow_view(self, view: object) -> None:

@@ -242,6 +242,8 @@ class Controller(QObject):
             there = bool(field) and field in self.project.catalogue(scan)
             if not field or state.closed or scan in self.view.hidden or not (there or anew):
                 continue
+            if there and self.project.catalogue(scan)[field].given:
+                continue  # whoever measures it hands it over
             mark = self._mark(scan, field) if there else ()
             if anew or self._coloured.get((scan, field)) != mark:
                 self._coloured[scan, field] = mark

@@ -47,6 +47,7 @@ PLACES = (
     Place("ghosts", "Ghosts", "right", "Find mixed pixels; mark, delete or correct them"),
     Place("angles", "Angles", "right", "How incidence angles are found, and how good they are"),
     Place("calibration", "Calibration", "right", "From raw numbers to reflectance, and how sure"),
+    Place("planner", "Planner", "right", "What a scan will show of a leaf, before it is made"),
 )
 
 
@@ -175,6 +176,7 @@ def make_panels(controller: Controller, work: LeafWork, documents: Documents) ->
     from widgets.panels.leaves import LeavesPanel
     from widgets.panels.phase_lab import PhaseLabPanel
     from widgets.panels.pick import PickPanel
+    from widgets.panels.planner import PlannerPanel
     from widgets.panels.scan_image import ScanImagePanel
     from widgets.panels.scans import ScansPanel
     from widgets.panels.series import SeriesPanel
@@ -195,4 +197,5 @@ def make_panels(controller: Controller, work: LeafWork, documents: Documents) ->
         "correct": CorrectPanel(controller, work, documents),
         "index": IndexPanel(controller, work, documents),
         "calibration": CalibrationPanel(controller, work, documents),
+        "planner": PlannerPanel(controller, work, documents),
     }

@@ -14,9 +14,19 @@ from app.model.radiometry_fields import MARK, SIGMA, source_of
 from app.model.smoothed_fields import SMOOTHED
 from app.model.state import ScanState
 from app.model.truth_fields import describe_truth
+from app.model.wrinkle_fields import WRINKLES
 from app.services.formulas import pick_channels
 
-JUDGED = ("incidence_from_intensity", "delta_omega", "residual", "ghost_score", "ghost", "leaf")
+MEASURED = tuple(spec.name for spec in WRINKLES)
+JUDGED = (
+    "incidence_from_intensity",
+    "delta_omega",
+    *MEASURED,
+    "residual",
+    "ghost_score",
+    "ghost",
+    "leaf",
+)
 GEOMETRY = (
     "range",
     "incidence",
@@ -111,6 +121,8 @@ def why_not(project: Project, scan: str, field: str) -> str:
         return "The scanner's beam is unknown: give it under Scan ▸ Incidence angles."
     if "leaves" in spec.needs and not project.state.leaves_of(scan):
         return "There is no leaf yet: draw around one with the lasso."
+    if spec.given and project.known_field(scan, field) is None:
+        return "Not measured yet: press Measure wrinkles in the Δω panel."
     if not spec.inputs and not spec.stored:
         return _why_no_index(project, scan, spec.name)
     return _why_not_inputs(project, scan, spec.inputs)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent, QShowEvent, Qt
@@ -24,8 +25,10 @@ from widgets.docks import Docks
 from widgets.documents import Documents
 from widgets.faults import Faults, Trouble
 from widgets.file_deeds import FileDeeds, holds_work
+from widgets.footprint_overlay import FootprintOverlay
 from widgets.leaf_work import LeafWork
 from widgets.menus import add_panels, build_menus
+from widgets.mesh_overlay import MeshOverlay
 from widgets.notices import Answer, Kind, NoticeArea
 from widgets.picture import Picture
 from widgets.scan_deeds import ScanDeeds
@@ -36,6 +39,9 @@ from widgets.toolbar import MainBar
 from widgets.tools import Tools
 from widgets.view_deeds import ViewDeeds
 from widgets.welcome import Welcome
+
+if TYPE_CHECKING:
+    from widgets.viewport.view3d import View3D
 
 SIZE = (112, 66)  # in heights of a line of text
 
@@ -137,9 +143,13 @@ class MainWindow(QMainWindow):
         view = View3D(self.stack)
         self.stack.addWidget(view)
         self.picture.attach(view)
+        self.footprints = FootprintOverlay(self.controller, self.picture, self)
         view.camera_moved.connect(self._follow_camera)
         self.docks.fill(self.controller, self.work, self.documents)
         self._connect_panels()
+        areas = self.docks.panels["leaves"].areas  # type: ignore[attr-defined]
+        self.mesh = MeshOverlay(self.controller, self.picture, areas, self)
+        self._watch_ghosts(view)
         self.picture.picker.picked.connect(partial(self.docks.raise_panel, "pick"))
         self.picture.picker.described.connect(self._show_point)
         self.desk.views.remember_layout()
@@ -154,6 +164,9 @@ class MainWindow(QMainWindow):
         calibration.dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
         panels["phase_lab"].dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
         self.picture.picker.found.connect(calibration.show_point)  # type: ignore[attr-defined]
+        planner = panels["planner"]
+        planner.dialogs = self.desk.files.dialogs  # type: ignore[attr-defined]
+        self.picture.picker.found.connect(planner.take_point)  # type: ignore[attr-defined]
         series = panels["series"]
         self.desk.series.serve(series, self.docks)  # type: ignore[arg-type]
         series.pick_asked.connect(partial(self.tools.arm, "pick"))  # type: ignore[attr-defined]
@@ -172,12 +185,22 @@ class MainWindow(QMainWindow):
         own_asked = panels["index"].own_asked  # type: ignore[attr-defined]
         own_asked.connect(self.desk.scans.write_indices)
 
+    def _watch_ghosts(self, view: View3D) -> None:
+        from widgets.ghost_sight import GhostSight
+
+        panel = self.docks.panels["ghosts"]
+        self.ghosts = GhostSight(self.controller, self.picture, panel, view, self)  # type: ignore[arg-type]
+
     def put_away(self) -> None:
         """Close the picture and end the worker, in this order; a second time does nothing."""
         if self._away:
             return
         self._away = True
         self._later.stop()
+        if self.picture.view is not None:
+            self.footprints.stop()
+            self.mesh.stop()
+            self.ghosts.stop()
         self.picture.detach()
         self.controller.close()
 

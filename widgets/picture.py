@@ -8,7 +8,8 @@ import numpy as np
 from PySide6.QtCore import QObject
 
 from app.model.events import EVERYTHING, Change
-from app.model.scene import Scene
+from app.model.project import Project
+from app.model.scene import Scene, resolve
 from app.model.view_state import ColourRange, ViewState
 from widgets.controller import Controller
 from widgets.leaf_work import Combine, LeafWork
@@ -38,6 +39,7 @@ class Picture(QObject):
         self.picker = Picker(controller, self)
         self.view: View3D | None = None
         self._kept: object = None
+        self._instead: Project | None = None
         self._shown = False
         self._there: set[str] = set()
         self._leaves = 0
@@ -68,6 +70,12 @@ class Picture(QObject):
         self._tools.changed.disconnect(self._follow_tools)
         self._theme.changed.disconnect(self._dye)
         view.close()
+
+    def show_instead(self, project: Project | None) -> None:
+        """Show another document of the same scans, to try something out; None: the true one."""
+        if project is not self._instead:
+            self._instead = project
+            self._show(self._controller.scene)
 
     # Camera
 
@@ -128,6 +136,9 @@ class Picture(QObject):
 
         if self.view is None:
             return
+        shown = self._instead or self._controller.project
+        if self._instead is not None:
+            scene = resolve(shown, self._controller.view)
         state, first = self._controller.view, bool(scene.clouds) and not self._shown
         there = {cloud.scan for cloud in scene.clouds}
         joined = bool(there - self._there)
@@ -137,7 +148,7 @@ class Picture(QObject):
         self._shown = bool(scene.clouds)
         if not self._shown:
             self._kept = None  # what comes next brings a camera of its own
-        self.view.show_scene(scene, ProjectSource(self._controller.project, state))
+        self.view.show_scene(scene, ProjectSource(shown, state))
         if scene.clouds and state.camera is not None and state.camera != self._kept:
             # A session brought its camera along.
             self._kept = state.camera

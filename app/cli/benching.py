@@ -179,6 +179,87 @@ def fit(
     finish(bench_fit(quick, watch()), out, json, overwrite)
 
 
+@bench.command
+def ghosts(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    truth: Path | None = None,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure how many ghost points are found and put back, against the truth and other ways.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the pictures.
+    quick
+        Coarse scans of one seed: half a minute instead of a quarter of an hour.
+    truth
+        Folder with another simulator's scans (phase_shift, pulsed) to take in too.
+    """
+    from app.services.bench.ghosts.run import bench_ghosts, refuse_bench_ghosts
+
+    if out is not None:
+        refuse_bench_ghosts(out, overwrite)
+    finish(bench_ghosts(quick, truth, watch()), out, json, overwrite)
+
+
+@bench.command
+def wrinkles(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    truth: Path | None = None,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Hold angles from intensity, their intervals and the wrinkle index against the truth.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    quick
+        One coarse scan: half a minute instead of several.
+    truth
+        Folder with another simulator's scans (phase_shift, pulsed) to take in too.
+    """
+    from app.services.bench.wrinkles.run import bench_wrinkles, refuse_bench_wrinkles
+
+    if out is not None:
+        refuse_bench_wrinkles(out, truth, overwrite)
+    finish(bench_wrinkles(quick, truth, watch()), out, json, overwrite)
+
+
+@bench.command
+def area(
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    truth: Path | None = None,
+    json: Json = False,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure areas and segmentations of leaves: errors, intervals, and what peers make of them.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables as CSV and JSON, and for the picture.
+    quick
+        One small scan: half a minute.
+    truth
+        Folder with another simulator's scans (phase_shift, pulsed) to take in too.
+    """
+    from app.services.bench.area.run import bench_area, refuse_bench_area
+
+    if out is not None:
+        refuse_bench_area(out, overwrite)
+    finish(bench_area(quick, truth, watch()), out, json, overwrite)
+
+
 def finish(found: Bench, out: Path | None, as_json: bool, overwrite: bool) -> None:
     """Write what a bench found, if a folder is given, and print it."""
     from app.cli.printing import print_json, say

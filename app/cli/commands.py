@@ -220,11 +220,12 @@ def leaves(
     out: Path,
     label_field: str | None = None,
     planes: Planes = DEFAULT_PLANES,
+    beam: Footprint = DEFAULT_FOOTPRINT,
     reading: Reading = DEFAULT_READING,
     json: Json = False,
     overwrite: Overwrite = False,
 ) -> None:
-    """Measure the leaves of a scan into a table.
+    """Measure the leaves of a scan into a table: planes, angles, areas, channels.
 
     Parameters
     ----------
@@ -239,44 +240,9 @@ def leaves(
     from app.cli.printing import print_leaves
     from app.services.leaf_tables import tabulate_leaves
 
-    parameters = parameters_of(planes)
+    parameters = parameters_of(planes, beam)
     rows = tabulate_leaves(opening(file, reading), out, label_field, parameters, overwrite, watch())
     print_leaves(rows, out, json)
-
-
-@leafscope.command
-def clean(
-    file: Path,
-    /,
-    *,
-    mode: Literal["mark", "delete", "correct"],
-    out: Path,
-    threshold: float | None = None,
-    planes: Planes = DEFAULT_PLANES,
-    reading: Reading = DEFAULT_READING,
-    json: Json = False,
-    overwrite: Overwrite = False,
-) -> None:
-    """Find ghost points and mark, delete or correct them.
-
-    Parameters
-    ----------
-    file
-        A scan.
-    mode
-        mark: keep all points and write the field ghost; delete: leave ghosts out; correct:
-        put them back on their surface where there is one.
-    out
-        File to write.
-    threshold
-        Score from which a point is a ghost, 0 to 1.
-    """
-    from app.cli.printing import print_values
-    from app.services.cleaning import clean_file
-
-    parameters = parameters_of(planes, threshold=threshold)
-    found = clean_file(opening(file, reading), mode, out, parameters, overwrite, watch())
-    print_values(found, json)
 
 
 @leafscope.command
@@ -290,6 +256,7 @@ def snapshot(
     theme: Literal["light", "dark"] = "light",
     limits: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     view: Literal["3d", "image"] = "3d",
+    footprints: int | None = None,
     planes: Planes = DEFAULT_PLANES,
     beam: Footprint = DEFAULT_FOOTPRINT,
     reading: Reading = DEFAULT_READING,
@@ -312,6 +279,8 @@ def snapshot(
     view
         3d: all scans in perspective; image: what the scanner of the first saw, azimuth to the
         right and elevation upwards.
+    footprints
+        Draw footprints at true scale, of every so many rows and columns (3000 of them at most).
     """
     from app.cli.printing import say
     from app.services.snapshot import parse_limits, parse_size, snapshot_file
@@ -327,6 +296,7 @@ def snapshot(
         overwrite,
         watch(),
         view,
+        footprints,
     )
     say(f"{out} written.")
 
@@ -412,4 +382,20 @@ leafscope.command(
 leafscope.command(
     "app.cli.series:series",
     help="Carry leaves through scans of other angles or times, and measure them into a table.",
+)
+leafscope.command(
+    "app.cli.planning:plan",
+    help="Plan a scan: footprint, points, ghosts and the largest usable angle on a leaf.",
+)
+leafscope.command(
+    "app.cli.wrinkling:wrinkles",
+    help="Wrinkles of leaves: angles from intensity against each leaf's plane.",
+)
+leafscope.command(
+    "app.cli.meshing:mesh",
+    help="Mesh the leaves of a scan on its grid, and write triangles.",
+)
+leafscope.command(
+    "app.cli.cleaning:clean",
+    help="Find ghost points and mark, delete or correct them.",
 )

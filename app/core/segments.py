@@ -24,6 +24,21 @@ NECK = 0.006
 by the beam; on simulated branches 5 to 8 mm work alike."""
 REACH = NECK / 1.2
 """Metres on either side of a point: there a strip of `NECK` fills `SOLID` of the window."""
+SIGMAS, LEAST_JUMP, LARGEST_JUMP = 4.0, 0.003, 0.01
+"""Ranges of neighbours on one surface differ by so many σ of the noise; metres."""
+ROUND, LONG, THICK = 0.25, 3.0, 0.0025
+"""A stem is round (third over second spread of its points, so many metres at least) and long
+(first over second)."""
+SLENDER = 10.0
+"""Of a stem too is what is so long; leaves of scenes with truth reach 8."""
+CLUMP, DEEP = 0.2, 0.005
+"""A clump is deep: third over first spread, and metres."""
+ROUGH = 0.002
+"""Metres: and it lies so far off a surface of second degree, as a rolled leaf does not."""
+DOUBTFUL = 0.06
+"""Metres: a longer surface is cut at its necks too, if that leaves two parts or more."""
+PART, FEWEST = 0.1, 30
+"""Share of the surface, and points, that such a part has at least."""
 FRAMED = 0.8
 """Share of its border with nearer surfaces above which a surface may be background in a gap."""
 ALL_NEARER = 0.95
@@ -32,7 +47,7 @@ ALL_NEARER = 0.95
 
 
 def segment_leaves(
-    xyz: Floats, scanner: AnyArray | None, grid: ScanGrid | None, *, jump: float = 0.01,
+    xyz: Floats, scanner: AnyArray | None, grid: ScanGrid | None, *, jump: float | None = None,
     minimum: int = 50, largest: float = 0.5, ghosts: Bools | None = None,
     progress: Progress = QUIET,
 ) -> AnyArray:  # fmt: skip
@@ -49,8 +64,8 @@ def segment_leaves(
     xyz : (n, 3) metres
     scanner : (3,) metres or None
     grid : ScanGrid or None
-    jump : float
-        Metres.
+    jump : float or None
+        Metres; None takes four times the noise of a range, from 3 to 10 mm, and 10 mm for voxels.
     minimum : int
         Points that a leaf has at least.
     largest : float
@@ -70,7 +85,7 @@ def segment_leaves(
         `jump` is not positive.
     BadInput, Cancelled
     """
-    if not jump > 0.0:
+    if jump is not None and not jump > 0.0:
         raise WrongUse(f"The jump between leaves must be positive, not {jump} m.")
     xyz = as_points(xyz)
     usable = finite_rows(xyz)
@@ -82,29 +97,35 @@ def segment_leaves(
         if grid is None or scanner is None:
             raise UnusableGrid("the scan has no rows and columns, or no scanner")
         position = np.array(scanner, dtype=np.float64)
-        _label_on_grid(xyz, position, grid, usable, jump, largest, raw, progress)
+        _label_on_grid(xyz, position, grid, usable, jump, minimum, largest, raw, progress)
     except UnusableGrid:
-        _label_by_voxels(xyz, np.flatnonzero(usable), jump, raw)
+        _label_by_voxels(xyz, np.flatnonzero(usable), jump or LARGEST_JUMP, raw)
     progress.report(0.9, "leaves")
     return _keep_leaves(xyz, raw, minimum, largest)
 
 
 def _label_on_grid(
-    xyz: Floats, scanner: Floats, grid: ScanGrid, usable: Bools, jump: float, largest: float,
-    raw: Ints, progress: Progress,
+    xyz: Floats, scanner: Floats, grid: ScanGrid, usable: Bools, jump: float | None, minimum: int,
+    largest: float, raw: Ints, progress: Progress,
 ) -> None:  # fmt: skip
-    """Join what touches; cut what is too large at its necks; drop what others frame."""
+    """Join what touches; cut the too large at necks; part what crosses; drop what is framed."""
     from app.core.kernels.segments import grow_rims
 
     index = sort_grid(xyz, scanner, grid, None, np.empty(0))
+    if jump is None:
+        jump = float(np.clip(SIGMAS * index.steps.noise, LEAST_JUMP, LARGEST_JUMP))
     beams = _view_beams(index, scanner, usable, jump)
-    label = _join(beams, beams.usable, progress.part(0.0, 0.3))
-    large = _find_large(index, label, largest)
-    thick = _mark_solid(beams._replace(usable=large), progress.part(0.3, 0.6))
-    solid = _join(beams, thick, progress.part(0.6, 0.9))
+    label = _join(beams, beams.usable, progress.part(0.0, 0.2))
+    too_large = _find_large(index, label, largest)
+    large = too_large | _find_large(index, label, min(largest, DOUBTFUL))
+    thick = _mark_solid(beams._replace(usable=large), progress.part(0.2, 0.4))
+    solid = _join(beams, thick, progress.part(0.4, 0.6))
     grow_rims(beams._replace(usable=large), solid, REACH)
+    large &= too_large | _find_split(label, solid)
     solid[_find_large(index, solid, largest)] = -1
     label[large] = np.where(solid < 0, -1, solid + label.max(initial=-1) + 1)[large]
+    _part_crossing(index, scanner, label, minimum, largest, progress.part(0.6, 0.85))
+    _rejoin(index, scanner, beams, label, largest)
     _drop_framed(beams, label)
     raw[index.member] = label
 
@@ -155,6 +176,51 @@ def _find_large(index: SortedGrid, label: Ints, largest: float) -> Bools:
     measure_boxes(index.x, index.y, index.z, label, low, high)
     large: Bools = (label >= 0) & (np.linalg.norm(high - low, axis=1) > largest)[label]
     return large
+
+
+def _part_crossing(
+    index: SortedGrid, scanner: Floats, label: Ints, minimum: int, largest: float,
+    progress: Progress,
+) -> None:  # fmt: skip
+    """Give leaves that cross labels of their own; surfaces too large for a leaf stay."""
+    from app.core.touching import part_touching
+
+    chosen = np.ones(label.max(initial=-1) + 1, np.bool_)
+    chosen[label[_find_large(index, label, largest)]] = False
+    beams = np.stack([index.x, index.y, index.z], axis=1) - scanner
+    row, column = index.grid.row[index.member], index.grid.column[index.member]
+    total = index.grid.columns if index.steps.seam else None
+    part_touching(beams, row, column, label, chosen, index.steps.noise, minimum, total, progress)
+
+
+def _rejoin(index: SortedGrid, scanner: Floats, beams: Beams, label: Ints, largest: float) -> None:
+    """Join pieces of one surface that ghosts or a stalk cut, up to the size of a leaf."""
+    from app.core.kernels.segments import list_meetings
+    from app.core.rejoining import rejoin_pieces
+
+    before = label.copy()
+    meeting = np.empty((len(label), 2), np.int64)
+    meeting = meeting[: list_meetings(beams, label, meeting)]
+    places = np.stack([index.x, index.y, index.z], axis=1) - scanner
+    row, column = index.grid.row[index.member], index.grid.column[index.member].astype(np.int64)
+    rejoin_pieces(places, row, column, label, meeting, index.steps.noise)
+    large = _find_large(index, label, largest)
+    label[large] = before[large]
+
+
+def _find_split(label: Ints, solid: Ints) -> Bools:
+    """Points of surfaces that hold two solid parts or more, each a fair share of the whole."""
+    both = (label >= 0) & (solid >= 0)
+    parts = np.zeros(label.max(initial=-1) + 2, np.int64)
+    if both.any():
+        part_size = np.bincount(solid[both])
+        whole = np.zeros(len(part_size), np.int64)
+        whole[solid[both]] = label[both]
+        size = np.bincount(label[label >= 0])
+        fair = (part_size > 0) & (part_size >= PART * size[whole]) & (part_size >= FEWEST)
+        np.add.at(parts, whole[fair], 1)
+    split: Bools = (label >= 0) & (parts >= 2)[label]
+    return split
 
 
 def _drop_framed(beams: Beams, label: Ints) -> None:
@@ -210,8 +276,36 @@ def _keep_leaves(xyz: Floats, raw: Ints, minimum: int, largest: float) -> AnyArr
     low = np.minimum.reduceat(sorted_xyz, begin, axis=0)
     high = np.maximum.reduceat(sorted_xyz, begin, axis=0)
     leaf = (count >= minimum) & (np.linalg.norm(high - low, axis=1) <= largest)
+    leaf &= ~_find_wood(sorted_xyz, begin, count)
     number = np.full(len(count), -1, np.int32)
     chosen = np.flatnonzero(leaf)
     number[chosen[np.argsort(first[chosen])]] = np.arange(len(chosen))
     labels[member] = number[component]
     return labels
+
+
+def _find_wood(points: Floats, begin: Ints, count: Ints) -> Bools:
+    """Groups of points that are long and round as stems are, or deep as clumps are, (g,)."""
+    mean = np.add.reduceat(points, begin, axis=0) / count[:, None]
+    off = points - np.repeat(mean, count, axis=0)
+    square = np.add.reduceat(off[:, :, None] * off[:, None, :], begin, axis=0)
+    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(square / count[:, None, None]), 0.0))
+    third, second, first = spread.T
+    stem = (third > ROUND * second) & (first > LONG * second) & (third > THICK)
+    stem |= first > SLENDER * second
+    clump = (third > CLUMP * first) & (third > DEEP)
+    for k in np.flatnonzero(clump & ~stem):
+        clump[k] = _measure_roughness(off[begin[k] : begin[k] + count[k]]) > ROUGH
+    wood: Bools = stem | clump
+    return wood
+
+
+def _measure_roughness(off: Floats) -> float:
+    """Root mean square off a surface of second degree over the plane of points about their mean."""
+    axes = np.linalg.svd(off.T @ off)[0]
+    a, b, height = (off @ axes).T
+    size = float(np.abs(a).max()) or 1.0
+    a, b = a / size, b / size
+    terms = np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=1)
+    found = np.linalg.lstsq(terms.T @ terms, terms.T @ height, rcond=1e-9)[0]
+    return float(np.sqrt(np.mean((height - terms @ found) ** 2)))

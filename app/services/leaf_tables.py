@@ -17,6 +17,7 @@ from app.services.leaves import (
     write_table,
 )
 from app.services.opening import Opening, open_file, set_parameters
+from app.services.surfaces.meshes import measure_areas
 
 
 def tabulate_leaves(
@@ -51,9 +52,11 @@ def tabulate_leaves(
             find_leaves(project, key, progress.part(0.4, 0.7))
         else:
             leaves_from_labels(project, key, label_field)
-        measured = measure_leaves(project, key, None, progress.part(0.7, 1.0))
+        measured = measure_leaves(project, key, None, progress.part(0.7, 0.85))
+        leaves = project.state.leaves_of(key)
+        areas = measure_areas(project, key, leaves, progress.part(0.85, 1.0))
         name = project.state.scan(key).scan.name
-        rows += [{"scan": name, **row} for row in measured]
+        rows += [{"scan": name, **row, **areas[str(row["leaf"])]} for row in measured]
     if not rows:
         raise BadInput(f"No leaf was found in {opening.path.name}.")
     write_table(rows, out, overwrite)

@@ -237,7 +237,7 @@ def _replay_scan(
         "scan": state.scan.name,
         "points": len(state.scan),
         "shown": state.shown,
-        "ghosts_marked": int(np.count_nonzero(state.marks == 1)),
+        "ghosts_marked": int(np.count_nonzero(state.marks > 0)),
         "leaves": len(rows),
         "file": points.name,
         "table": leaves.name if rows else None,

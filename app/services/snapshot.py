@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
+from app.core.arrays import Floats
 from app.core.errors import MissingScanner, WrongUse
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import atomic_path, refuse_target
@@ -31,6 +34,7 @@ def snapshot_file(
     overwrite: bool = False,
     progress: Progress = QUIET,
     seen: View = "3d",
+    footprints: int | None = None,
 ) -> None:
     """Make a PNG of a file, seen from its scanner where that is known.
 
@@ -40,16 +44,20 @@ def snapshot_file(
         Attributes of `Parameters` that differ from the defaults.
     seen : {'3d', 'image'}
         All scans in perspective, or the scan image of the first.
+    footprints : int or None
+        Draw the footprints of every so many rows and columns of the first scan; 3d only.
 
     Raises
     ------
     MissingScanner
         A scan image without the scanner's position.
     WrongUse
-        A field that does not exist.
+        A field that does not exist, or footprints in a scan image.
     BadInput
         The file cannot be read, or lacks what the field needs.
     """
+    if footprints is not None and (seen == "image" or footprints < 1):
+        raise WrongUse("--footprints takes 1 or more rows and columns, and needs --view 3d.")
     if out.suffix.lower() != ".png":
         raise WrongUse(f"A picture is a .png file, not {out.name}.")
     refuse_target(out, overwrite, sources=[opening.path])
@@ -62,7 +70,20 @@ def snapshot_file(
     if seen == "image" and view.current is not None:
         write_scan_image(project, view, view.current, out, size, theme, overwrite, progress)
     else:
-        write_picture(project, view, out, size, theme, overwrite)
+        rings = _ring_points(project, view, footprints, progress)
+        write_picture(project, view, out, size, theme, overwrite, rings)
+
+
+def _ring_points(
+    project: Project, view: ViewState, every: int | None, progress: Progress
+) -> Floats | None:
+    if every is None or view.current is None:
+        return None
+    from app.services.footprint_rings import make_rings, thin
+
+    state = project.state.scan(view.current)
+    rows, _ = thin(state, np.flatnonzero(state.alive), every)
+    return make_rings(state, rows, progress.part(0.8, 1.0))
 
 
 def write_picture(
@@ -72,6 +93,7 @@ def write_picture(
     size: tuple[int, int],
     theme: Theme,
     overwrite: bool = False,
+    rings: Floats | None = None,
 ) -> None:
     """Draw what a view shows of a project, from the scanner of its current scan."""
     from app.render.picture import ProjectSource
@@ -83,9 +105,8 @@ def write_picture(
             scanner = project.state.scan(view.current).scan.scanner("the view")
         except MissingScanner:
             scanner = None  # an unknown position only means another view
-    image = render_snapshot(
-        resolve(project, view), ProjectSource(project, view), size, theme, None, scanner
-    )
+    source = ProjectSource(project, view)
+    image = render_snapshot(resolve(project, view), source, size, theme, None, scanner, rings=rings)
     with atomic_path(out, overwrite) as temporary:
         temporary.write_bytes(png_bytes(image, Title=view.colour, Software="Leafscope"))
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from app.core.errors import MissingScanner
+from app.core.errors import BadInput, MissingScanner, WrongUse
 from app.render.legend import legend_height
+from app.services.beams import typed_beam
 from app.services.opening import Opening
 from app.services.snapshot import snapshot_file
 
@@ -43,3 +44,18 @@ def test_without_a_position_it_is_refused_and_nothing_is_written(
     with pytest.raises(MissingScanner, match="scan image"):
         snapshot_file(Opening(cloud), "intensity", out, SIZE, seen="image")
     assert not out.exists()
+
+
+def test_footprints_are_drawn_over_the_points(cloud: Path, tmp_path: Path) -> None:
+    opening = Opening(cloud, origin=(0.0, 0.0, 0.0))
+    beam = {"beam": typed_beam(60.0, 0.1), "radius": 0.05}
+    plain, ringed = tmp_path / "plain.png", tmp_path / "ringed.png"
+    snapshot_file(opening, "intensity", plain, SIZE, parameters=beam)
+    snapshot_file(opening, "intensity", ringed, SIZE, parameters=beam, footprints=3)
+    assert (imread(plain) != imread(ringed)).any(axis=2).sum() > 1000
+    for how in ({"footprints": 0}, {"footprints": 3, "seen": "image"}):
+        with pytest.raises(WrongUse, match="--footprints"):
+            snapshot_file(opening, "intensity", tmp_path / "none.png", SIZE, **how)
+    with pytest.raises(BadInput, match="beam of the scanner is unknown"):
+        snapshot_file(opening, "intensity", tmp_path / "none.png", SIZE, footprints=3)
+    assert not (tmp_path / "none.png").exists()

@@ -126,6 +126,8 @@ class LeafTable(QAbstractTableModel):
             return self._write(leaf, column)
         if role == SORT:
             return self._sort_by(leaf, column)
+        if role == Qt.ItemDataRole.ToolTipRole and column >= 2:
+            return self._explain(leaf, column)
         return None
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:  # noqa: N802
@@ -143,6 +145,13 @@ class LeafTable(QAbstractTableModel):
             points = len(leaf.members) if row is None else int(row["points"] or 0)
             return show_count(points)
         return "…" if row is None else self.columns[column - 2].text(row)
+
+    def _explain(self, leaf: Leaf, column: int) -> str | None:
+        """Why there is no area, or what it stands for."""
+        if self.columns[column - 2].value is not _area_of:
+            return None
+        told = self._rows.get(leaf.key, {}).get("area_of")
+        return None if told is None else str(told)
 
     def _sort_by(self, leaf: Leaf, column: int) -> str | float:
         if column == 0:
@@ -171,6 +180,10 @@ class LeafTable(QAbstractTableModel):
                 1,
             ),
         ]
+        columns.append(_area(self.tr("Area (cm²)"), self.tr(
+            "Area of the leaf's mesh and its 95 % interval; ≥: the visible part of a leaf that "
+            "something hides, a lower bound"
+        )))  # fmt: skip
         for channel in channels:
             nm = channel.wavelength_nm
             title = channel.name if nm is None else f"{nm:g} nm"
@@ -218,3 +231,21 @@ def _mean_sd(title: str, tip: str, name: str, mean: str = "_mean") -> Column:
         return show_with_sd(_number(row, name + mean), _number(row, f"{name}_sd"))
 
     return Column(title, tip, lambda row: _number(row, name + mean), text)
+
+
+def _area_of(row: Row) -> float | None:
+    return _number(row, "area_cm2")
+
+
+def _area(title: str, tip: str) -> Column:
+    def text(row: Row) -> str:
+        if "area_of" not in row:
+            return "…"
+        area, low, high = (_number(row, f"area{end}_cm2") for end in ("", "_low", "_high"))
+        if area is None or low is None or high is None:
+            return UNKNOWN
+        if row["area_of"] != "leaf":
+            return f"≥ {show_number(area, 1)}"
+        return f"{show_number(area, 1)} ({show_number(low, 1)}–{show_number(high, 1)})"
+
+    return Column(title, tip, _area_of, text)

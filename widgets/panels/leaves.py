@@ -19,7 +19,9 @@ from PySide6.QtWidgets import (
 from app.model.leaf import Leaf
 from app.model.points import PointSet
 from app.model.selection import Explicit
-from app.services.leaves import write_table
+from app.services.leaves import Row, write_table
+from app.services.surfaces.files import write_surfaces
+from widgets.common.leaf_areas import LeafAreas
 from widgets.common.leaf_measures import LeafMeasures
 from widgets.common.leaf_table import SORT, LeafTable
 from widgets.common.notice import Notice
@@ -45,6 +47,7 @@ class LeavesPanel(Panel):
         self.notice = Notice(self)
         self.model = LeafTable(self)
         self.measures = LeafMeasures(self.controller, self)
+        self.areas = LeafAreas(self.controller, self)
         self._sorted = QSortFilterProxyModel(self)
         self._sorted.setSourceModel(self.model)
         self._sorted.setSortRole(SORT)
@@ -55,6 +58,7 @@ class LeavesPanel(Panel):
         self.remove_button = QPushButton(self.tr("&Remove"), self)
         self.select_button = QPushButton(self.tr("&Select points"), self)
         self.export_button = QPushButton(self.tr("&Export table…"), self)
+        self.mesh_button = QPushButton(self.tr("Export mes&h…"), self)
         self._dress()
         self._arrange()
         self._connect()
@@ -81,6 +85,12 @@ class LeavesPanel(Panel):
             (self.remove_button, self.tr("Remove the selected leaves; their points stay")),
             (self.select_button, self.tr("Make the points of the selected leaves the selection")),
             (self.export_button, self.tr("Write all numbers of this table to a CSV file")),
+            (
+                self.mesh_button,
+                self.tr(
+                    "Write the triangles of the selected leaves, or of all, as PLY, OBJ or STL"
+                ),
+            ),
         ):
             button.setToolTip(tip)
 
@@ -94,6 +104,7 @@ class LeavesPanel(Panel):
                 self.remove_button,
                 self.select_button,
                 self.export_button,
+                self.mesh_button,
             )
         ):
             buttons.addWidget(button, place // 2, place % 2)
@@ -106,6 +117,7 @@ class LeavesPanel(Panel):
     def _connect(self) -> None:
         self.model.name_asked.connect(self.work.rename)
         self.measures.measured.connect(self.refresh_soon)
+        self.areas.measured.connect(self.refresh_soon)
         self.table.selectionModel().selectionChanged.connect(self._on_selected)
         self.find_button.clicked.connect(self.work.find_all)
         self.new_button.clicked.connect(self.make_next)
@@ -113,6 +125,7 @@ class LeavesPanel(Panel):
         self.remove_button.clicked.connect(self.remove)
         self.select_button.clicked.connect(self.select_points)
         self.export_button.clicked.connect(self.ask_for_file)
+        self.mesh_button.clicked.connect(self.ask_for_mesh)
 
     @property
     def leaves(self) -> tuple[Leaf, ...]:
@@ -134,10 +147,16 @@ class LeavesPanel(Panel):
         self.table.setVisible(bool(leaves))
         kept = self.selected
         self.measures.measure(leaves)
+        self.areas.measure(leaves)
         channels = () if state is None else state.channels
-        self.model.show_leaves(leaves, self.measures.rows(leaves), channels)
+        self.model.show_leaves(leaves, self._rows(), channels)
         self._select(kept)
         self._enable()
+
+    def _rows(self) -> dict[str, Row]:
+        """What is known of the leaves by now, with their areas where these are known."""
+        measured, areas = self.measures.rows(self.leaves), self.areas.rows(self.leaves)
+        return {key: {**row, **areas.get(key, {})} for key, row in measured.items()}
 
     def _find_missing(self) -> str:
         state = self.controller.scan
@@ -176,6 +195,8 @@ class LeavesPanel(Panel):
         self.select_button.setEnabled(count > 0)
         measured = self.measures.rows(self.leaves)
         self.export_button.setEnabled(bool(measured) and len(measured) == len(self.leaves))
+        meshed = self.areas.surfaces(self.leaves).values()
+        self.mesh_button.setEnabled(any(surface.mesh is not None for surface in meshed))
 
     def make_next(self) -> None:
         """Make a leaf of the selection; without one the next lasso begins a new leaf."""
@@ -221,13 +242,36 @@ class LeavesPanel(Panel):
 
     def export(self, path: str) -> None:
         """Write the table with all its numbers; an existing file is replaced."""
-        leaves = self.leaves
-        measured = self.measures.rows(leaves)
+        leaves, measured = self.leaves, self._rows()
         rows = [measured[leaf.key] | {"name": leaf.name} for leaf in leaves if leaf.key in measured]
         if self.controller.attempt(lambda: write_table(rows, Path(path), overwrite=True)):
             self.controller.said.emit(
                 self.tr("{n} leaves written to {path}.").format(n=show_count(len(rows)), path=path)
             )
+
+    def ask_for_mesh(self) -> None:
+        """Ask where to write the triangles; the dialog itself asks before it replaces a file."""
+        dialog = QFileDialog(self, self.tr("Export the mesh of leaves"))
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        dialog.setNameFilter(self.tr("Triangles (*.ply *.obj *.stl)"))
+        dialog.setDefaultSuffix("ply")
+        dialog.fileSelected.connect(self.export_mesh)
+        dialog.open()
+
+    def export_mesh(self, path: str) -> None:
+        """Write the triangles of the selected leaves, or of all; an existing file is replaced."""
+        chosen = self.selected or tuple(leaf.key for leaf in self.leaves)
+        meshed = self.areas.surfaces(self.leaves)
+        surfaces = [meshed[key] for key in chosen if key in meshed]
+        told = self.tr("{n} leaves written to {path}.").format(
+            n=show_count(sum(surface.mesh is not None for surface in surfaces)), path=path
+        )
+        self.controller.run(
+            self.tr("Writing meshes"),
+            lambda _: write_surfaces(surfaces, Path(path), overwrite=True),
+            lambda _: self.controller.said.emit(told),
+        )
 
     def _on_selected(self) -> None:
         keys = self.selected

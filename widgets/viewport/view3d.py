@@ -17,6 +17,7 @@ from app.render.picture import PictureSource, known_values
 from app.render.stage import Stage
 from widgets.viewport.canvas import Canvas
 from widgets.viewport.colour_bar import ColourBarWidget
+from widgets.viewport.drawings import ViewDrawings
 from widgets.viewport.framing import EDGE, Framing
 from widgets.viewport.mouse import Mouse
 from widgets.viewport.overlay import OverlayWidget
@@ -71,6 +72,7 @@ class View3D(QWidget):
         self.colour_bar = ColourBarWidget(self)
         self._framing = Framing(self._canvas, self.colour_bar, self._stage.extent)
         self._refinement = Refinement(self._stage, self._canvas, self)
+        self.drawings = ViewDrawings(self._stage, self._refinement)
         navigate = Navigate(self)
         self._tools: dict[str, Tool] = {
             "navigate": navigate,

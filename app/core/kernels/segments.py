@@ -217,6 +217,44 @@ def look_beside(beams: Beams, label: AnyArray, p: int, dr: int, dc: int) -> int:
 
 
 @njit(cache=True, nogil=True)
+def list_meetings(beams: Beams, label: AnyArray, meeting: AnyArray) -> int:
+    """Pairs of labels that meet along a row or column, behind ghosts and what is nearer.
+
+    `meeting` is (k, 2); how many were found comes back, and no more than k are written.
+    """
+    count = 0
+    for p in range(label.size):
+        if label[p] < 0:
+            continue
+        for k in range(2):
+            other = look_across(beams, label, p, 1 - k, k)
+            if other >= 0:
+                if count < meeting.shape[0]:
+                    meeting[count, 0], meeting[count, 1] = label[p], other
+                count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def look_across(beams: Beams, label: AnyArray, p: int, dr: int, dc: int) -> int:
+    """Another label at about the same range, the first beyond p's own; -1: none."""
+    for k in range(1, BEHIND + 1):
+        cell = find_cell(beams, p, k * dr, k * dc)
+        if cell < 0 or beams.start[cell] == beams.start[cell + 1]:
+            return -1
+        most = max(beams.jump, SLOPE * measure_gap(beams, p, k * dr, k * dc))
+        for q in range(beams.start[cell], beams.start[cell + 1]):
+            step = beams.distance[q] - beams.distance[p]
+            if label[q] == label[p]:
+                return -1
+            if label[q] >= 0 and abs(step) <= most:
+                return int(label[q])
+            if beams.usable[q] and step > most:
+                return -1
+    return -1
+
+
+@njit(cache=True, nogil=True)
 def count_borders(beams: Beams, label: AnyArray, border: AnyArray) -> None:
     """Count what lies beside the points of each label, (labels, 4)."""
     _, _, row, column, start, down, across, _, _ = beams

@@ -16,6 +16,7 @@ from PySide6.QtGui import QGuiApplication, QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
+    QComboBox,
     QDialogButtonBox,
     QFileDialog,
     QLineEdit,
@@ -27,6 +28,7 @@ from PySide6.QtWidgets import (
 from pytestqt.qtbot import QtBot
 
 import app.core.kernels  # noqa: F401 - chooses its cache before the fixture hides the user's
+from widgets.common.panel import Column
 from widgets.main_window import MainWindow
 from widgets.theme import ThemeSwitch
 
@@ -92,6 +94,21 @@ class User:
         panel = self.window.docks.panels[name]
         self.wait_for(panel.isVisible)
         return panel
+
+    def scroll_to(self, panel: QWidget, widget: QWidget) -> None:
+        """Bring something that has been scrolled away into sight."""
+        panel.findChild(Column).ensureWidgetVisible(widget)
+        QTest.qWait(50)
+
+    def choose(self, combo: QComboBox, text: str) -> None:
+        """Go down a list with the keys to the entry that begins so."""
+        combo.setFocus()
+        QTest.keyClick(combo, Qt.Key.Key_Home)
+        for _ in range(combo.count()):
+            if not combo.currentText().startswith(text):
+                QTest.keyClick(combo, Qt.Key.Key_Down)
+        assert combo.currentText().startswith(text), combo.currentText()
+        self.rest()
 
     def colour_by(self, field: str) -> None:
         """Choose a field in the list, with the mouse."""

@@ -121,9 +121,16 @@ def test_main_job(user: Any, tmp_path: Path) -> None:
     assert curve.model == "lambert-beckmann"
 
     wrinkles = user.panel("wrinkles")
+    user.rest()
+    user.press("Measure wrinkles", wrinkles)
+    user.wait_for(lambda: wrinkles.measuring.find(key) is not None)
     user.look("wrinkles")
+    assert "may be brighter or darker by 8 %" in wrinkles.claim.text()
+    user.scroll_to(wrinkles, wrinkles.colour_button)
     user.press("Colour the cloud by Δω", wrinkles)
-    user.wait_for(lambda: controller.view.colour == "delta_omega")
+    user.wait_for(lambda: controller.view.colour == "wrinkle_delta")
+    assert np.isfinite(controller.project.known_field(key, "wrinkle_delta").values).any()
+    user.colour_by("delta_omega")  # this one a replay can compute
     user.look("delta_omega")
 
     ghosts = user.panel("ghosts")

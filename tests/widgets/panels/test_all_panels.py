@@ -29,14 +29,15 @@ from widgets.panels.jobs import JobsPanel
 from widgets.panels.leaves import LeavesPanel
 from widgets.panels.phase_lab import PhaseLabPanel
 from widgets.panels.pick import PickPanel
+from widgets.panels.planner import PlannerPanel
 from widgets.panels.scan_image import ScanImagePanel
 from widgets.panels.scans import ScansPanel
 from widgets.panels.series import SeriesPanel
 from widgets.panels.wrinkles import WrinklesPanel
 
 PANELS = (AnglesPanel, CalibrationPanel, CorrectPanel, GhostsPanel, HistoryPanel, IndexPanel,
-          JobsPanel, LeavesPanel, PhaseLabPanel, PickPanel, ScanImagePanel, ScansPanel,
-          SeriesPanel, WrinklesPanel)  # fmt: skip
+          JobsPanel, LeavesPanel, PhaseLabPanel, PickPanel, PlannerPanel, ScanImagePanel,
+          ScansPanel, SeriesPanel, WrinklesPanel)  # fmt: skip
 SPEAKING = (QAbstractButton, QAbstractItemView, QAbstractSlider, QAbstractSpinBox, QComboBox,
             QProgressBar, Plot)  # fmt: skip
 DARK = {"Window": "#22272d", "Base": "#191d22", "Text": "#e7ebee", "WindowText": "#e7ebee"}

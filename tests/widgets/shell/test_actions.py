@@ -27,7 +27,7 @@ ALWAYS = {
     "file.new", "file.open", "file.series", "file.demo", "file.simulate", "file.quit",
     "tool.navigate", "view.leaves", "view.ghosts", "view.scan_image", "view.full_screen",
     "view.reset_layout", "theme.system", "theme.light", "theme.dark", "help.guide", "help.keys",
-    "help.about",
+    "help.about", "scan.plan",
 }  # fmt: skip
 SELECTION = {"edit.clear", "edit.delete", "scan.make_leaf"}
 LATER = {"edit.redo", "edit.bring_back", "scan.columns"}

@@ -129,7 +129,7 @@ def test_docks_come_back(window: MainWindow, qtbot: QtBot) -> None:
     before = list_bars()
     assert before == [
         ["Leaves", "Jobs", "Series"],
-        ["Phase lab", "Correct", "Index", "Δω", "Ghosts", "Angles", "Calibration"],
+        ["Phase lab", "Correct", "Index", "Δω", "Ghosts", "Angles", "Calibration", "Planner"],
         ["Scans", "Point", "History"],
     ]
     window.docks.docks["ghosts"].setFloating(True)

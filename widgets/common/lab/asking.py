@@ -22,10 +22,13 @@ class Asking(QObject):
         A question is under way, or is not any more.
     refused(str)
         Why there is no answer, as a sentence.
+    progressed(float, str)
+        Share of the question that is answered, and what is being done.
     """
 
     changed = Signal()
     refused = Signal(str)
+    progressed = Signal(float, str)
 
     def __init__(self, controller: Controller, parent: QObject) -> None:
         super().__init__(parent)
@@ -70,8 +73,12 @@ class Asking(QObject):
             self._end()
 
     def _on_job(self, job: Job) -> None:
-        if job is self._job and job.state in ("failed", "cancelled"):
+        if job is not self._job:
+            return
+        if job.state in ("failed", "cancelled"):
             self._end()
+        else:
+            self.progressed.emit(job.fraction, job.text)
 
     def _end(self) -> None:
         self._job = None

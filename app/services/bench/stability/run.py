@@ -1,4 +1,4 @@
-"""``leafscope bench stability``: each case, all ways; a table of angles, one of reflectances."""
+"""``leafscope bench stability``: each case, all ways; a table for each kind of result."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_targets
 from app.services.bench.results import Bench, ResultTable, Value, list_targets
-from app.services.bench.stability import reflectances
+from app.services.bench.stability import ghosts, inversions, meshes, reflectances
 from app.services.bench.stability.changes import list_changes
 from app.services.bench.stability.spoilt import list_spoilt
 from app.services.bench.stability.ways import WAYS, Case
@@ -50,7 +50,10 @@ def bench_stability(quick: bool = False, progress: Progress = QUIET) -> Bench:
         rows.append(tell_case(case, QUICK_SIDE if quick else SIDE))
     table = ResultTable(NAME, "What must not change an angle of incidence", rows, NOTE)
     progress.report(0.9, "Reflectances")
-    return Bench(NAME, (table, reflectances.check_reflectances(quick)), {})
+    told = reflectances.check_reflectances(quick)
+    progress.report(0.97, "Angles from intensity")
+    others = (inversions.check_inversions(), ghosts.check_ghosts(), meshes.check_meshes())
+    return Bench(NAME, (table, told, *others), {})
 
 
 def tell_case(case: Case, side: int) -> dict[str, Value]:
@@ -73,6 +76,6 @@ def _judge(failed: Sequence[str]) -> str:
 
 def refuse_bench_stability(out: Path, overwrite: bool) -> None:
     """Raise `BadInput` where the bench could not write its files; cheap."""
-    refuse_targets(
-        list_targets(out, NAME, [NAME, reflectances.NAME], []), overwrite, folder_follows=True
-    )
+    parts = (reflectances, inversions, ghosts, meshes)
+    names = [NAME, *(part.NAME for part in parts)]
+    refuse_targets(list_targets(out, NAME, names, []), overwrite, folder_follows=True)

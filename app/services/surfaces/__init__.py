@@ -1,0 +1,1 @@
+"""Leaves as surfaces: meshes and areas of a scan's leaves, and their files."""
