@@ -85,6 +85,11 @@ def judged_score(state: ScanState, score: Floats) -> Floats:
     return np.where(state.deleted, 1.0, judged)
 
 
+def clean_below(state: ScanState) -> float:
+    """Largest score that is below the threshold: no point that counts as a ghost has it."""
+    return float(np.nextafter(state.parameters.ghost_threshold, -1.0))
+
+
 def compute_correction(evaluation: Evaluation, points: Ints | None) -> Computed:
     """How far a ghost is to be moved along its beam, mm; NaN for other points.
 
@@ -108,6 +113,7 @@ def compute_correction(evaluation: Evaluation, points: Ints | None) -> Computed:
             neighbours_of(state.scan, evaluation.progress).grid,
             beam=shape_of_beam(state),
             light=light_of(state),
+            clean=clean_below(state),
             progress=evaluation.progress,
         )
         place = np.flatnonzero(is_ghost)

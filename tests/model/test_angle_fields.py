@@ -149,3 +149,18 @@ def test_ghosts_of_a_cloud_without_rows_and_columns_are_those_of_its_grid(
     score, other = project.field(KEY, "ghost_score"), bare.field(KEY, "ghost_score")
     assert bare.known_field(KEY, "ghost_score").notes["neighbours"] == "recovered grid"
     assert np.mean((score > THRESHOLD) == (other > THRESHOLD)) > 0.999
+
+
+@pytest.mark.parametrize("threshold", [0.05, 0.5])
+def test_corrections_do_not_depend_on_which_ghosts_are_asked_for(
+    leaves: Scan, threshold: float
+) -> None:
+    whole, part = put(leaves), put(leaves)
+    for project in (whole, part):
+        change(project, ghost_threshold=threshold)
+    ghosts = np.flatnonzero(whole.field(KEY, "ghost") == 1.0)
+    some = ghosts[::7]
+    for name in ("ghost_correction", "ghost_confidence"):
+        all_of_them = whole.field(KEY, name)
+        assert np.isfinite(all_of_them[ghosts]).any()
+        np.testing.assert_allclose(part.field(KEY, name, some), all_of_them[some], atol=1e-6)

@@ -47,7 +47,7 @@ class Corrections:
 def correct_ghosts(
     xyz: Floats, scanner: AnyArray, ghosts: Ints, score: Floats, grid: ScanGrid | None = None, *,
     beam: BeamShape | None = None, light: AnyArray | None = None, sure: float = SURE,
-    progress: Progress = QUIET,
+    clean: float = CLEAN, progress: Progress = QUIET,
 ) -> Corrections:  # fmt: skip
     """Put ghosts on the surface nearest to them in range.
 
@@ -68,6 +68,9 @@ def correct_ghosts(
         As for `score_ghosts`.
     sure : float
         Confidence from which a ghost is moved.
+    clean : float
+        Score up to which a point supports a surface; at most `CLEAN` counts. Below the threshold
+        of ghosts, so that it does not matter which of them are asked for.
     progress : Progress
 
     Raises
@@ -77,7 +80,7 @@ def correct_ghosts(
     xyz, scanner = as_points(xyz), np.array(scanner, dtype=np.float64)
     ghosts = np.array(ghosts, dtype=np.int64)
     each_once(ghosts, len(xyz))
-    mixed: Bools = ~(score <= CLEAN)
+    mixed: Bools = ~(score <= min(clean, CLEAN))
     mixed[ghosts] = True
     try:
         if grid is None:

@@ -11,7 +11,7 @@ from app.core.errors import WrongUse
 from app.core.ghosts import SURE, Reasons, correct_ghosts, explain_points, lay_out
 from app.core.neighbours.steps import ScanGrid, UnusableGrid
 from app.core.progress import QUIET, Progress
-from app.model.ghost_fields import judged_score, light_of, shape_of_beam
+from app.model.ghost_fields import clean_below, judged_score, light_of, shape_of_beam
 from app.model.neighbours import neighbours_of
 from app.model.project import Project
 from app.model.state import ScanState
@@ -179,6 +179,7 @@ def _correct(
         grid,
         beam=shape_of_beam(state),
         light=light_of(state),
+        clean=clean_below(state),
         progress=progress,
     )
     own = np.linalg.norm(state.scan.xyz[ghosts] - scanner, axis=1)
