@@ -30,14 +30,14 @@ from app.core.errors import WrongUse
 class Strictness:
     """How strict the search is, and what becomes of the doubtful."""
 
-    setting: Literal["careful", "normal", "strict"] = "normal"
-    "careful: few good points are lost (threshold 0.8); normal: 0.5; strict: few ghosts stay (0.2)."
+    setting: Literal["careful", "normal", "strict"] | None = None
+    "careful: few good points lost (0.8); normal (default): 0.5; strict: few ghosts stay (0.2)."
     threshold: float | None = None
     "Score from which a point is a ghost, 0 to 1, instead of the setting's."
     sure: float | None = None
     "Confidence from which a ghost is corrected, 0 to 1 (default: where the method is sure)."
-    uncertain: Literal["delete", "mark"] = "delete"
-    "What becomes, in mode auto, of ghosts that cannot be corrected: delete, or mark."
+    uncertain: Literal["delete", "mark"] | None = None
+    "What becomes, in mode auto, of ghosts that cannot be corrected: delete (default), or mark."
 
 
 DEFAULT_STRICTNESS = Strictness()
@@ -83,7 +83,9 @@ def clean(
         if is_same_file(report, out):
             raise WrongUse(f"{out} cannot be both the result and the report.")
         refuse_target(report, overwrite, sources=[file])
-    threshold = SETTINGS[how.setting] if how.threshold is None else how.threshold
+    _refuse_contradictions(mode, how)
+    setting = how.setting or "normal"
+    threshold = SETTINGS[setting] if how.threshold is None else how.threshold
     found = clean_file(
         opening(file, reading),
         mode,
@@ -92,15 +94,25 @@ def clean(
         overwrite,
         watch(),
         SURE if how.sure is None else how.sure,
-        how.uncertain,
+        how.uncertain or "delete",
     )
-    found["setting"] = how.setting if how.threshold is None else "threshold"
+    found["setting"] = setting if how.threshold is None else "threshold"
     if report is not None:
         write_json(found, report, overwrite)
     if json:
         print_json(found)
     else:
         _print(found, out)
+
+
+def _refuse_contradictions(mode: str, how: Strictness) -> None:
+    """Options that would have no say are refused, not passed over."""
+    if how.setting is not None and how.threshold is not None:
+        raise WrongUse("--setting and --threshold both name a threshold.", "Give one of them.")
+    if how.sure is not None and mode not in ("correct", "auto"):
+        raise WrongUse(f"--sure is about corrections, and mode {mode} makes none.")
+    if how.uncertain is not None and mode != "auto":
+        raise WrongUse(f"--uncertain belongs to mode auto, not to mode {mode}.")
 
 
 def _print(found: Mapping[str, Any], out: Path) -> None:

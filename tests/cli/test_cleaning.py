@@ -32,8 +32,8 @@ def test_settings_go_from_few_ghosts_to_many(
     counts = [found[setting]["ghosts"] for setting in SETTINGS]
     assert counts == sorted(counts)
     assert counts[0] < counts[2]
-    own = clean(capsys, leaves_file, "--mode", "delete", "--setting", "strict", "--threshold",
-                "0.8", "--out", tmp_path / "own.npz")  # fmt: skip
+    own = clean(capsys, leaves_file, "--mode", "delete", "--threshold", "0.8", "--out",
+                tmp_path / "own.npz")  # fmt: skip
     assert own["ghosts"] == counts[0]
 
 
@@ -101,4 +101,21 @@ def test_what_is_refused(
     assert run(["clean", str(leaves_file), "--mode", "auto", "--out", str(out), *extra]) != 0
     said = capsys.readouterr()
     assert words in said.err + said.out
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (("--mode", "delete", "--setting", "strict", "--threshold", "0.9"), "both name"),
+        (("--mode", "delete", "--sure", "0.1"), "makes none"),
+        (("--mode", "correct", "--uncertain", "mark"), "belongs to mode auto"),
+    ],
+)
+def test_options_without_a_say_are_refused(
+    leaves_file: Path, tmp_path: Path, capsys: Capture, options: tuple[str, ...], word: str
+) -> None:
+    out = tmp_path / "out.npz"
+    assert run(["clean", str(leaves_file), *options, "--out", str(out)]) == 2
+    assert word in capsys.readouterr().err
     assert not out.exists()

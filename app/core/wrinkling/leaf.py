@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints
-from app.core.errors import BadInput
+from app.core.errors import BadInput, WrongUse
 from app.core.neighbours.steps import Cells
 from app.core.planes import DISTANCE, LeafPlane, leaf_plane
 from app.core.synthetic_footprint import Lines
@@ -73,6 +73,10 @@ class Choices:
     limits: Limits = USUAL
     gate: float = DISTANCE
     index: bool = True
+
+    def __post_init__(self) -> None:
+        if self.noise is not None and not 0.0 <= self.noise < np.inf:
+            raise WrongUse(f"The noise of an intensity is a number from 0 on, not {self.noise}.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

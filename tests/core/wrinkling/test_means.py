@@ -9,6 +9,7 @@ from app.core.errors import WrongUse
 from app.core.neighbours.steps import Cells
 from app.core.synthetic_footprint import find_lines, smooth
 from app.core.wrinkles import distribution
+from app.core.wrinkling.leaf import Choices
 from app.core.wrinkling.means import average_leaf, cut_grid, measure_noise, noise_of_means
 from app.core.wrinkling.shape import name_shape
 
@@ -84,3 +85,9 @@ def test_words_for_shapes():
     two = np.concatenate([one - 0.2, one + 0.2])
     assert name_shape(distribution(two)) == "several modes"
     assert name_shape(distribution(one[:20])) == "too few points"
+
+
+@pytest.mark.parametrize("noise", [-1.0, np.nan, np.inf])
+def test_a_noise_that_is_none_is_refused_before_any_leaf(noise):
+    with pytest.raises(WrongUse, match="noise"):
+        Choices(noise=noise)
