@@ -91,11 +91,10 @@ def test_info_says_how_neighbours_would_be_found(
     assert "neighbours: voxel hash, the scanner's position is unknown" in said
 
 
-@pytest.mark.parametrize("command", ["leaves", "clean", "snapshot"])
+@pytest.mark.parametrize("command", ["leaves", "snapshot"])
 def test_other_commands_take_an_estimator(leaves_file: Path, tmp_path: Path, command: str) -> None:
     words = {
         "leaves": ["--out", str(tmp_path / "o.csv")],
-        "clean": ["--mode", "mark", "--out", str(tmp_path / "o.npz")],
         "snapshot": ["--colour", "incidence", "--out", str(tmp_path / "o.png")],
     }
     assert run([command, str(leaves_file), *words[command], "--estimator", "window"]) == 0
