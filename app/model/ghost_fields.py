@@ -6,6 +6,8 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Floats, Ints
 from app.core.footprint import BeamShape
+from app.core.neighbours.steps import ScanGrid
+from app.core.progress import QUIET, Progress
 from app.core.units import to_mm
 from app.model.fields import Computed, Evaluation, FieldSpec, Need, pick_rows
 from app.model.neighbours import neighbours_of
@@ -85,9 +87,33 @@ def judged_score(state: ScanState, score: Floats) -> Floats:
     return np.where(state.deleted, 1.0, judged)
 
 
-def clean_below(state: ScanState) -> float:
-    """Largest score that is below the threshold: no point that counts as a ghost has it."""
-    return float(np.nextafter(state.parameters.ghost_threshold, -1.0))
+def find_corrections(
+    state: ScanState, grid: ScanGrid | None, ghosts: Ints, score: Floats, progress: Progress = QUIET
+) -> tuple[Floats, Floats]:
+    """How far ghosts are to be moved along their beams, metres, and the confidence; (g,) each.
+
+    `score` is the `judged_score` of all points.
+    """
+    from app.core.ghosts import correct_ghosts
+
+    if not len(ghosts):
+        return np.empty(0), np.empty(0)
+    scanner = state.scan.scanner("the correction of ghosts")
+    # Below the threshold: no point that counts as a ghost supports a surface.
+    clean = float(np.nextafter(state.parameters.ghost_threshold, -1.0))
+    found = correct_ghosts(
+        state.scan.xyz,
+        scanner,
+        ghosts,
+        score,
+        grid,
+        beam=shape_of_beam(state),
+        light=light_of(state),
+        clean=clean,
+        progress=progress,
+    )
+    own = np.linalg.norm(state.scan.xyz[ghosts] - scanner, axis=1)
+    return found.ranges - own, found.confidence
 
 
 def compute_correction(evaluation: Evaluation, points: Ints | None) -> Computed:
@@ -95,31 +121,17 @@ def compute_correction(evaluation: Evaluation, points: Ints | None) -> Computed:
 
     Its confidence lies beside it.
     """
-    from app.core.ghosts import correct_ghosts
-
     state = evaluation.subject.state
     rows = np.arange(evaluation.size) if points is None else points
     is_ghost = evaluation.read("ghost", points) == 1.0
-    ghosts = rows[is_ghost]
     shift, confidence = np.full(len(rows), np.nan), np.full(len(rows), np.nan)
-    if len(ghosts):
+    if is_ghost.any():
         score = judged_score(state, evaluation.read("ghost_score"))
-        scanner = state.scan.scanner("the correction of ghosts")
-        found = correct_ghosts(
-            state.scan.xyz,
-            scanner,
-            ghosts,
-            score,
-            neighbours_of(state.scan, evaluation.progress).grid,
-            beam=shape_of_beam(state),
-            light=light_of(state),
-            clean=clean_below(state),
-            progress=evaluation.progress,
+        grid = neighbours_of(state.scan, evaluation.progress).grid
+        metres, confidence[is_ghost] = find_corrections(
+            state, grid, rows[is_ghost], score, evaluation.progress
         )
-        place = np.flatnonzero(is_ghost)
-        own = np.linalg.norm(state.scan.xyz[ghosts] - scanner, axis=1)
-        shift[place] = to_mm(found.ranges - own)
-        confidence[place] = found.confidence
+        shift[is_ghost] = to_mm(metres)
     return Computed(shift, beside={"confidence": confidence})
 
 

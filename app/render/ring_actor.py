@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkRenderingCore import vtkActor
-from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLPolyDataMapper
+from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonDataModel import vtkCellArray
 
 from app.core.arrays import Floats
+from app.render.local_actor import FORWARD, LocalActor
 from app.render.palettes import Background
 
 COLOURS: dict[Background, tuple[float, float, float]] = {
@@ -23,29 +21,16 @@ MARKS: dict[Background, tuple[float, float, float]] = {
     "dark": (0.45, 0.85, 1.0),
 }
 WIDTH = 1.4
-FORWARD = -40.0
-"""Steps of the depth buffer towards the viewer: noise of the points would hide half of a line."""
 
 
-class RingActor:
+class RingActor(LocalActor):
     """Lines that close; empty until some are given."""
 
     def __init__(self, colours: Mapping[Background, tuple[float, float, float]] = COLOURS) -> None:
+        super().__init__()
         self._colours = colours
-        self._data = vtkPolyData()
-        self._origin: Floats = np.zeros(3)
-        self._box: Floats | None = None
-        mapper = vtkOpenGLPolyDataMapper()
-        mapper.SetInputData(self._data)
-        mapper.ScalarVisibilityOff()
-        mapper.SetVBOShiftScaleMethod(0)  # the coordinates are local already
-        mapper.SetResolveCoincidentTopologyToPolygonOffset()
-        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, FORWARD)
-        self.actor = vtkActor()
-        self.actor.SetMapper(mapper)
-        self.actor.PickableOff()
-        self.actor.VisibilityOff()
-        self.actor.GetProperty().LightingOff()
+        self._mapper.ScalarVisibilityOff()
+        self._mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, FORWARD)
 
     def show(self, corners: Floats | None) -> None:
         """Take other lines.
@@ -55,34 +40,18 @@ class RingActor:
         corners : (k, n, 3) array or None
             World metres, finite; None or an empty one shows nothing.
         """
-        there = corners is not None and len(corners) > 0
-        self.actor.SetVisibility(there)
-        if corners is None or not there:
-            self._data.Initialize()
-            self._box = None
+        if corners is None or len(corners) == 0:
+            self._clear()
             return
-        flat = corners.reshape(-1, 3)
-        self._box = np.stack((flat.min(axis=0), flat.max(axis=0)))
-        self._origin = np.round(self._box.mean(axis=0))
-        points = vtkPoints()
-        points.SetData(numpy_to_vtk((flat - self._origin).astype(np.float32), deep=True))
-        self._data.SetPoints(points)
+        self._take_points(corners.reshape(-1, 3))
         self._data.SetLines(_close(len(corners), corners.shape[1]))
         self._data.Modified()
-
-    def place(self, stage_origin: Floats) -> None:
-        """Put the lines where they belong, seen from the origin of the stage."""
-        self.actor.SetPosition(*(self._origin - stage_origin))
 
     def style(self, background: Background, scale: float) -> None:
         """Colour for a ground, width for device pixels."""
         look = self.actor.GetProperty()
         look.SetColor(*self._colours[background])
         look.SetLineWidth(WIDTH * scale)
-
-    def bounds(self) -> Floats | None:
-        """Corners (2, 3) around the lines, world metres; None without any."""
-        return self._box
 
 
 def _close(count: int, corners: int) -> vtkCellArray:

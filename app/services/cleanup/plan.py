@@ -8,10 +8,10 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.errors import WrongUse
-from app.core.ghosts import SURE, Reasons, correct_ghosts, explain_points, lay_out
+from app.core.ghosts import SURE, Reasons, explain_points, lay_out
 from app.core.neighbours.steps import ScanGrid, UnusableGrid
 from app.core.progress import QUIET, Progress
-from app.model.ghost_fields import clean_below, judged_score, light_of, shape_of_beam
+from app.model.ghost_fields import find_corrections, judged_score, shape_of_beam
 from app.model.neighbours import neighbours_of
 from app.model.project import Project
 from app.model.state import ScanState
@@ -126,7 +126,7 @@ def plan_cleanup(
     names = LeafNames.gather(project.state.leaves_of(scan), len(score))
     grid = neighbours_of(state.scan, progress).grid
     reasons, method = _explain(state, grid, ghosts, judged, progress.part(0.6, 0.8))
-    shift, confidence = _correct(state, grid, ghosts, judged, progress.part(0.8, 1.0))
+    shift, confidence = find_corrections(state, grid, ghosts, judged, progress.part(0.8, 1.0))
     sure_enough = np.isfinite(shift) & (confidence >= sure)
     other = Answer.DELETE if uncertain == "delete" else Answer.LEAVE
     return Plan(
@@ -163,27 +163,6 @@ def _explain(
     beam = shape_of_beam(state)
     found = explain_points(image, ghosts, told, beam=beam, light=light, progress=progress)
     return found, GRID_METHOD
-
-
-def _correct(
-    state: ScanState, grid: ScanGrid | None, ghosts: Ints, judged: Floats, progress: Progress
-) -> tuple[Floats, Floats]:
-    if not len(ghosts):
-        return np.empty(0), np.empty(0)
-    scanner = state.scan.scanner("the correction of ghosts")
-    found = correct_ghosts(
-        state.scan.xyz,
-        scanner,
-        ghosts,
-        judged,
-        grid,
-        beam=shape_of_beam(state),
-        light=light_of(state),
-        clean=clean_below(state),
-        progress=progress,
-    )
-    own = np.linalg.norm(state.scan.xyz[ghosts] - scanner, axis=1)
-    return found.ranges - own, found.confidence
 
 
 def _find_leaves(names: LeafNames, ghosts: Ints, reasons: Reasons | None) -> Ints:
