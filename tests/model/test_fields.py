@@ -74,17 +74,13 @@ def test_a_parameter_spoils_only_what_depends_on_it(project: Project) -> None:
     assert stale == {"incidence"}
     change(project, beam=Beam(0.002, 0.0003))
     stale = {
-        n
-        for n in ("range", "ndi", "ghost_score", "ghost")
-        if project.known_field(KEY, n) is None
+        n for n in ("range", "ndi", "ghost_score", "ghost") if project.known_field(KEY, n) is None
     }
     assert stale == {"ghost_score", "ghost"}
     project.field(KEY, "ghost")
     change(project, ghost_threshold=0.9)
     stale = {
-        n
-        for n in ("range", "ndi", "ghost_score", "ghost")
-        if project.known_field(KEY, n) is None
+        n for n in ("range", "ndi", "ghost_score", "ghost") if project.known_field(KEY, n) is None
     }
     assert stale == {"ghost"}
 
