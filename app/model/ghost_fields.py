@@ -6,10 +6,10 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Floats, Ints
 from app.core.footprint import BeamShape
-from app.core.neighbours.steps import ScanGrid
 from app.core.progress import QUIET, Progress
 from app.core.units import to_mm
 from app.model.fields import Computed, Evaluation, FieldSpec, Need, pick_rows
+from app.model.ghost_image import ghost_image_of
 from app.model.neighbours import neighbours_of
 from app.model.state import ScanState
 
@@ -23,16 +23,15 @@ def compute_ghost_score(evaluation: Evaluation, points: Ints | None) -> Computed
     from app.core.ghosts import score_ghosts
 
     state = evaluation.subject.state
-    scanner = state.scan.scanner("the ghost score")
     neighbours = neighbours_of(state.scan, evaluation.progress.part(0.0, 0.3))
     beam = state.parameters.beam
     found = score_ghosts(
         state.scan.xyz,
-        scanner,
+        state.scan.scanner("the ghost score"),
         points,
-        neighbours.grid,
         beam=shape_of_beam(state),
         light=light_of(state),
+        image=ghost_image_of(state.scan),
         progress=evaluation.progress.part(0.3, 1.0),
     )
     notes = {"neighbours": neighbours.method, "method": found.method}
@@ -88,7 +87,7 @@ def judged_score(state: ScanState, score: Floats) -> Floats:
 
 
 def find_corrections(
-    state: ScanState, grid: ScanGrid | None, ghosts: Ints, score: Floats, progress: Progress = QUIET
+    state: ScanState, ghosts: Ints, score: Floats, progress: Progress = QUIET
 ) -> tuple[Floats, Floats]:
     """How far ghosts are to be moved along their beams, metres, and the confidence; (g,) each.
 
@@ -99,6 +98,7 @@ def find_corrections(
     if not len(ghosts):
         return np.empty(0), np.empty(0)
     scanner = state.scan.scanner("the correction of ghosts")
+    image = ghost_image_of(state.scan, progress)
     # Below the threshold: no point that counts as a ghost supports a surface.
     clean = float(np.nextafter(state.parameters.ghost_threshold, -1.0))
     found = correct_ghosts(
@@ -106,9 +106,9 @@ def find_corrections(
         scanner,
         ghosts,
         score,
-        grid,
         beam=shape_of_beam(state),
         light=light_of(state),
+        image=image,
         clean=clean,
         progress=progress,
     )
@@ -127,9 +127,8 @@ def compute_correction(evaluation: Evaluation, points: Ints | None) -> Computed:
     shift, confidence = np.full(len(rows), np.nan), np.full(len(rows), np.nan)
     if is_ghost.any():
         score = judged_score(state, evaluation.read("ghost_score"))
-        grid = neighbours_of(state.scan, evaluation.progress).grid
         metres, confidence[is_ghost] = find_corrections(
-            state, grid, rows[is_ghost], score, evaluation.progress
+            state, rows[is_ghost], score, evaluation.progress
         )
         shift[is_ghost] = to_mm(metres)
     return Computed(shift, beside={"confidence": confidence})
@@ -142,23 +141,17 @@ def compute_confidence(evaluation: Evaluation, points: Ints | None) -> Computed:
 
 def compute_reason(evaluation: Evaluation, points: Ints | None) -> Computed:
     """What a point is, a class of `app.core.ghosts.Reason`; NaN without rows and columns."""
-    from app.core.ghosts import explain_points, lay_out
-    from app.core.neighbours.steps import UnusableGrid
+    from app.core.ghosts import explain_points
 
     state = evaluation.subject.state
     rows = np.arange(evaluation.size) if points is None else points
+    reason = np.full(len(rows), np.nan)
+    image = ghost_image_of(state.scan, evaluation.progress)
+    if image is None:
+        return Computed(reason, {"reason": "the scan has no rows and columns that are of use"})
     # What counts as a ghost is explained as one, whatever its score and the threshold are.
     called = evaluation.read("ghost") == 1.0
     score = np.where(called, 1.0, judged_score(state, evaluation.read("ghost_score")))
-    grid = neighbours_of(state.scan, evaluation.progress).grid
-    reason = np.full(len(rows), np.nan)
-    scanner = state.scan.scanner("the reasons of ghosts")
-    try:
-        if grid is None:
-            raise UnusableGrid("the scan has no rows and columns")
-        image = lay_out(state.scan.xyz, scanner, grid)
-    except UnusableGrid as error:
-        return Computed(reason, {"reason": str(error)})
     ghost = pick_rows(called, points)
     reason[np.isfinite(image.own[rows])] = 0.0
     found = explain_points(

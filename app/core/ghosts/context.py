@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Floats, Ints
-from app.core.ghosts.image import GhostImage
-from app.core.ghosts.surfaces import BeamSurfaces, lay_over
+from app.core.arrays import AnyArray, Bools, Floats, Ints
+from app.core.chunks import run_in_pieces, split_evenly
+from app.core.footprint import BeamShape
+from app.core.ghosts.image import GhostImage, lay_over
+from app.core.ghosts.network import Network
+from app.core.ghosts.surfaces import PIECE, BeamSurfaces, find_surfaces, lay_ground
+from app.core.progress import QUIET, Progress
 
 NAMES = (
     "glance",
@@ -31,39 +35,79 @@ STEEPEST = 20.0
 DIMMEST = 50.0
 """Noises of the light, beyond which more says no more."""
 LEAST = 1e-4
+LINES = 100
+"""Rows of the image on which noise is measured."""
 
 
-def describe_context(
-    image: GhostImage, points: Ints, glance: Floats, surfaces: BeamSurfaces,
-    light: Floats | None = None,
-) -> AnyArray:  # fmt: skip
-    """Numbers of `NAMES` for some points, (k, NAMES) float32.
+def weigh_beams(
+    image: GhostImage, mixed: Bools, points: Ints, glance: Floats, beam: BeamShape,
+    light: AnyArray | None, network: Network, progress: Progress = QUIET,
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """What a network says of some points, (k,), and the range of their nearest surface, (k,).
 
     Parameters
     ----------
     image : GhostImage
+    mixed : (n,) bool
+        Points that support no surface.
     points : (k,) numbers
     glance : (n,) 0 to 1
         Of all points; 0 where there was no need to look.
-    surfaces : BeamSurfaces
-        Along the beams of `points`; its light is of the same kind as `light`.
+    beam : BeamShape
     light : (n,) or None
-        In standard deviations of its noise.
+        As it was recorded, or its logarithm.
+    network : Network
+        That weighs `NAMES`.
+    progress : Progress
     """
-    own = image.own[points]
-    with np.errstate(invalid="ignore"):
-        off = own[:, None] - surfaces.distance
-        columns = [_logit(glance[points])]
-        for k in range(3):
-            away = _shrink(np.nan_to_num(off[:, k], nan=FARTHEST), FINEST, FARTHEST)
-            columns += [away, np.abs(away), surfaces.share[:, k], np.log1p(surfaces.beams[:, k])]
-        columns.append(_shrink(np.nan_to_num(surfaces.scatter[:, 0]), FINEST, FARTHEST))
-        steep = np.minimum(np.nan_to_num(surfaces.slope), STEEPEST)
-        columns += [np.log1p(steep[:, 0]), np.log1p(steep[:, 1])]
-        columns.append((off[:, 0] * off[:, 1] < 0.0).astype(np.float64))
-        columns += list(_look_beside(image, points, glance))
-        columns += _describe_light(points, surfaces, light)
-    return np.stack(columns, axis=1).astype(np.float32)
+    around = Surroundings(image, mixed, glance, beam, light)
+    said, distance = np.empty(len(points)), np.empty(len(points))
+
+    def work(first: int, last: int) -> None:
+        rows, distance[first:last] = around.describe(points[first:last])
+        said[first:last] = network.weigh(rows)
+
+    run_in_pieces(work, split_evenly(len(points), PIECE), progress, "surfaces behind ghosts")
+    return said, distance
+
+
+class Surroundings:
+    """What is around the points of a scan, in numbers of `NAMES`; parameters as `weigh_beams`."""
+
+    def __init__(
+        self, image: GhostImage, mixed: Bools, glance: Floats, beam: BeamShape,
+        light: AnyArray | None,
+    ) -> None:  # fmt: skip
+        self._light = None if light is None else scale_light(image, light)
+        self._ground, self._beam = lay_ground(image, mixed, self._light), beam
+        self._glance = glance
+        self._laid = lay_over(image, glance.astype(np.float32), np.float32(1.0))[0]
+
+    def describe(self, points: Ints) -> tuple[AnyArray, Floats]:
+        """Rows of numbers, (k, NAMES) float32, and the range of the nearest surface, (k,)."""
+        image = self._ground.image
+        surfaces = find_surfaces(self._ground, points, self._beam)
+        with np.errstate(invalid="ignore"):
+            columns = [
+                _logit(self._glance[points]),
+                *_describe_surfaces(image.own[points], surfaces),
+            ]
+            columns += [*_look_beside(image, points, self._laid)]
+            columns += _describe_light(points, surfaces, self._light)
+        return np.stack(columns, axis=1, dtype=np.float32), surfaces.distance[:, 0]
+
+
+def _describe_surfaces(own: Floats, surfaces: BeamSurfaces) -> list[Floats]:
+    off = own[:, None] - surfaces.distance
+    columns: list[Floats] = []
+    for k in range(3):
+        away = _shrink(np.where(np.isnan(off[:, k]), FARTHEST, off[:, k]), FINEST, FARTHEST)
+        columns += [away, np.abs(away), surfaces.share[:, k], np.log1p(surfaces.beams[:, k])]
+    columns.append(_shrink(np.nan_to_num(surfaces.scatter[:, 0]), FINEST, FARTHEST))
+    steep = np.minimum(np.nan_to_num(surfaces.slope), STEEPEST)
+    columns += [np.log1p(steep[:, 0]), np.log1p(steep[:, 1])]
+    columns.append((off[:, 0] * off[:, 1] < 0.0).astype(np.float64))
+    return columns
 
 
 def _logit(share: Floats) -> Floats:
@@ -77,15 +121,13 @@ def _shrink(value: Floats, unit: float, largest: float) -> Floats:
     return shrunk
 
 
-def _look_beside(image: GhostImage, points: Ints, glance: Floats) -> Floats:
-    """Glances at the eight beams beside each point, rising, (8, k); 1 where there is none."""
-    from app.core.kernels.ghost_evidence import MARGIN
+def _look_beside(image: GhostImage, points: Ints, laid: AnyArray) -> AnyArray:
+    """Glances at the first returns of the eight beams beside, rising, (8, k); 1 where none is."""
+    from app.core.kernels.ghost_image import MARGIN
 
-    laid = lay_over(image, glance.astype(np.float32), np.float32(1.0))
     y, x = image.cells.row[points] + MARGIN, image.cells.column[points] + MARGIN
     beside = [laid[y + k // 3 - 1, x + k % 3 - 1] for k in range(9) if k != 4]
-    sorted_beside: Floats = np.sort(np.stack(beside), axis=0)
-    return sorted_beside
+    return np.sort(np.stack(beside), axis=0)
 
 
 def _describe_light(points: Ints, surfaces: BeamSurfaces, light: Floats | None) -> list[Floats]:
@@ -101,7 +143,8 @@ def scale_light(image: GhostImage, light: AnyArray) -> Floats | None:
 
     So an amplifier, logarithmic or not, makes no difference.
     """
-    laid = lay_over(image, np.asarray(light, np.float64), np.nan)
+    laid = lay_over(image, np.asarray(light, np.float64), np.nan)[0]
+    laid = laid[:: max(1, len(laid) // LINES)]
     with np.errstate(invalid="ignore"):
         bend = np.abs(laid[:, :-2] - 2.0 * laid[:, 1:-1] + laid[:, 2:])
     bend = bend[np.isfinite(bend)]

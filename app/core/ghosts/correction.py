@@ -8,13 +8,12 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.footprint import BeamShape
-from app.core.ghosts.context import describe_context, scale_light
-from app.core.ghosts.image import lay_out
+from app.core.ghosts.context import weigh_beams
+from app.core.ghosts.image import GhostImage, try_layout
 from app.core.ghosts.network import load_network
 from app.core.ghosts.score import BEAM
-from app.core.ghosts.surfaces import find_surfaces
 from app.core.neighbours.asked import as_points, each_once
-from app.core.neighbours.steps import ScanGrid, UnusableGrid
+from app.core.neighbours.steps import ScanGrid
 from app.core.progress import QUIET, Progress
 
 SURE = 0.8
@@ -46,8 +45,8 @@ class Corrections:
 
 def correct_ghosts(
     xyz: Floats, scanner: AnyArray, ghosts: Ints, score: Floats, grid: ScanGrid | None = None, *,
-    beam: BeamShape | None = None, light: AnyArray | None = None, sure: float = SURE,
-    clean: float = CLEAN, progress: Progress = QUIET,
+    beam: BeamShape | None = None, light: AnyArray | None = None, image: GhostImage | None = None,
+    sure: float = SURE, clean: float = CLEAN, progress: Progress = QUIET,
 ) -> Corrections:  # fmt: skip
     """Put ghosts on the surface nearest to them in range.
 
@@ -64,7 +63,7 @@ def correct_ghosts(
         Of all points, as `score_ghosts` gives it; what the user judged is 0 or 1.
     grid : ScanGrid or None
         Without one no ghost is moved: what its beam touched cannot be told.
-    beam, light :
+    beam, light, image :
         As for `score_ghosts`.
     sure : float
         Confidence from which a ghost is moved.
@@ -82,19 +81,16 @@ def correct_ghosts(
     each_once(ghosts, len(xyz))
     mixed: Bools = ~(score <= min(clean, CLEAN))
     mixed[ghosts] = True
-    try:
-        if grid is None:
-            raise UnusableGrid("the scan has no rows and columns")
-        image = lay_out(xyz, scanner, grid)
-    except UnusableGrid:
+    image = image or try_layout(xyz, scanner, grid)
+    if image is None:
         unknown = np.full(len(ghosts), np.nan)
         return _move(xyz[ghosts], scanner, unknown, unknown, sure)
     beam = BEAM if beam is None else beam
-    scaled = None if light is None else scale_light(image, light)
-    surfaces = find_surfaces(image, mixed, ghosts, beam, scaled, progress)
-    context = describe_context(image, ghosts, np.nan_to_num(score, nan=1.0), surfaces, scaled)
-    confidence = load_network("confidence").weigh(context)
-    return _move(xyz[ghosts], scanner, surfaces.distance[:, 0], confidence, sure)
+    glance = np.where(np.isnan(score), 1.0, score)
+    confidence, ranges = weigh_beams(
+        image, mixed, ghosts, glance, beam, light, load_network("confidence"), progress
+    )
+    return _move(xyz[ghosts], scanner, ranges, confidence, sure)
 
 
 def _move(

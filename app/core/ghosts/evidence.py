@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from app.core.arrays import AnyArray, Floats, Ints
-from app.core.errors import WrongUse
 from app.core.footprint import BeamShape
 from app.core.ghosts.image import GhostImage
 from app.core.ghosts.network import Network
@@ -58,21 +57,11 @@ def gather(image: GhostImage, points: Ints, places: Ints, beam: BeamShape) -> An
 def glance(
     image: GhostImage, points: Ints, places: Ints, beam: BeamShape, network: Network
 ) -> Floats:
-    """What the network says of the points at these places, (places,).
-
-    Raises
-    ------
-    WrongUse
-        The network has not two layers before its last sum.
-    """
+    """What the network says of the points at these places, (places,)."""
     from app.core.kernels import ghost_evidence as kernels
 
-    if len(network.weights) != 3:
-        raise WrongUse(f"The first glance has three layers, not {len(network.weights)}.")
-    layers = zip(network.weights, network.offsets, strict=True)
-    arrays = [array for layer in layers for array in layer]
     score = np.empty(len(places))
-    kernels.glance_at(places, points, *_describe(image, beam), *arrays, score)
+    kernels.glance_at(places, points, *_describe(image, beam), *network.layers, score)
     return score
 
 

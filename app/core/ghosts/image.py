@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.core.arrays import AnyArray, Floats
-from app.core.neighbours.steps import Cells, ScanGrid, Steps, as_cells, measure_steps
-
-MOST_LAYERS = 4
-"""Returns of one beam that are looked at; scanners that tell more are rare."""
+from app.core.neighbours.asked import as_points
+from app.core.neighbours.steps import Cells, ScanGrid, Steps, UnusableGrid, as_cells, measure_steps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,7 +21,7 @@ class GhostImage:
         Range of each point; NaN or 0 without one.
     cells : Cells
     layer : (n,) uint8
-        Which of the returns of its beam a point is.
+        Which of the returns of its beam a point is, the nearest first.
     ranges : (layers, rows + 2 · MARGIN, columns + 2 · MARGIN) float32, metres
         NaN where there is none; columns go on around a full turn.
     steps : Steps
@@ -46,31 +44,56 @@ def lay_out(xyz: Floats, scanner: Floats, grid: ScanGrid) -> GhostImage:
     UnusableGrid
         It is nearly empty, or its cells do not follow the beams from this position.
     """
-    from app.core.kernels import ghost_evidence as kernels
+    from app.core.kernels import ghost_image as kernels
 
-    cells = as_cells(grid)
+    xyz, cells = as_points(xyz), as_cells(grid)
     steps = measure_steps(xyz, scanner, cells)
-    with np.errstate(invalid="ignore", over="ignore"):
-        own: Floats = np.sqrt(((xyz - scanner) ** 2).sum(axis=1))
-    layer = _tell_layers(cells)
-    margin = kernels.MARGIN
-    layers = min(int(layer.max(initial=0)) + 1, MOST_LAYERS)
-    shape = (layers, cells.rows + 2 * margin, cells.columns + 2 * margin)
-    ranges = np.full(shape, np.nan, np.float32)
-    kernels.lay_out(own, cells.row, cells.column, layer, ranges)
-    if steps.seam and cells.columns >= margin:
-        ranges[:, :, :margin] = ranges[:, :, -2 * margin : -margin]
-        ranges[:, :, -margin:] = ranges[:, :, margin : 2 * margin]
-    return GhostImage(own, cells, layer, ranges, steps)
+    own = np.empty(len(xyz))
+    kernels.measure_ranges(xyz, scanner, own)
+    layer = _tell_layers(cells, own)
+    layers = min(int(layer.max(initial=0)) + 1, kernels.MOST_LAYERS)
+    around = 2 * kernels.MARGIN
+    ranges = np.full((layers, cells.rows + around, cells.columns + around), np.nan, np.float32)
+    kernels.lay_ranges(own, cells.row, cells.column, layer, ranges)
+    image = GhostImage(own, cells, layer, ranges, steps)
+    _close_seam(image, ranges)
+    return image
 
 
-def _tell_layers(cells: Cells) -> AnyArray:
-    """Number of each point among those of its cell, in the order of the file."""
+def try_layout(xyz: Floats, scanner: Floats, grid: ScanGrid | None) -> GhostImage | None:
+    """The same, or None where rows and columns are missing or of no use."""
+    try:
+        return None if grid is None else lay_out(xyz, scanner, grid)
+    except UnusableGrid:
+        return None
+
+
+def lay_over(image: GhostImage, values: AnyArray, empty: object) -> AnyArray:
+    """Values of the points in an array of the shape of the image's ranges."""
+    from app.core.kernels import ghost_image as kernels
+
+    cells, laid = image.cells, np.full(image.ranges.shape, empty, values.dtype)
+    kernels.lay_values(values, cells.row, cells.column, image.layer, laid)
+    _close_seam(image, laid)
+    return laid
+
+
+def _close_seam(image: GhostImage, laid: AnyArray) -> None:
+    """Let the columns go on around a full turn."""
+    from app.core.kernels.ghost_image import MARGIN
+
+    if image.steps.seam and image.cells.columns >= MARGIN:
+        laid[:, :, :MARGIN] = laid[:, :, -2 * MARGIN : -MARGIN]
+        laid[:, :, -MARGIN:] = laid[:, :, MARGIN : 2 * MARGIN]
+
+
+def _tell_layers(cells: Cells, own: Floats) -> AnyArray:
+    """Number of each point among those of its cell, by range: a file may tell them in any order."""
     place = cells.row.astype(np.int64) * cells.columns + cells.column
     taken = np.bincount(place, minlength=1)
     if taken.max(initial=0) <= 1:
         return np.zeros(len(place), np.uint8)
-    order = np.argsort(place, kind="stable")
+    order = np.lexsort((own, place))
     first = np.concatenate([[0], np.cumsum(taken)[:-1]])
     layer = np.empty(len(place), np.uint8)
     layer[order] = np.minimum(np.arange(len(place)) - first[place[order]], 255)

@@ -17,8 +17,7 @@ from app.core.arrays import AnyArray, Floats
 from app.core.errors import WrongUse
 
 Name = Literal["glance", "judgement", "confidence"]
-LARGEST = 30.0
-"""Of the logit: beyond it, a probability is 0 or 1 to all digits."""
+LAYERS = 3
 
 
 class Stored(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -32,7 +31,7 @@ class Stored(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Network:
-    """Layers of weighted sums, negative ones cut off between them; the last gives a logit.
+    """Three layers of weighted sums, negative ones cut off between them; the last gives a logit.
 
     Attributes
     ----------
@@ -44,14 +43,18 @@ class Network:
     offsets: tuple[AnyArray, ...]
 
     def weigh(self, evidence: AnyArray) -> Floats:
-        """Probability that the evidence of each row, (n, inputs), tells; (n,) of 0 to 1."""
-        signal = evidence
-        for weight, offset in zip(self.weights[:-1], self.offsets[:-1], strict=True):
-            signal = signal @ weight
-            signal += offset
-            np.maximum(signal, 0.0, out=signal)
-        logit = (signal @ self.weights[-1] + self.offsets[-1])[:, 0].astype(np.float64)
-        return 1.0 / (1.0 + np.exp(-np.clip(logit, -LARGEST, LARGEST)))
+        """Probability that the evidence of each row, (n, inputs) float32, tells; (n,) of 0 to 1."""
+        from app.core.kernels.small_network import weigh
+
+        said = np.empty(len(evidence))
+        weigh(evidence, *self.layers, said)
+        return said
+
+    @property
+    def layers(self) -> tuple[AnyArray, ...]:
+        """Weights and offsets of one layer after the other."""
+        pairs = zip(self.weights, self.offsets, strict=True)
+        return tuple(array for pair in pairs for array in pair)
 
 
 @cache
@@ -71,6 +74,8 @@ def build_network(stored: Stored) -> Network:
     """
     weights = tuple(np.array(rows, np.float32, ndmin=2) for rows in stored.weights)
     offsets = tuple(np.array(row, np.float32) for row in stored.offsets)
+    if len(weights) != LAYERS:
+        raise WrongUse(f"A network has {LAYERS} layers, not {len(weights)}.")
     inputs = len(stored.evidence)
     for weight, offset in zip(weights, offsets, strict=True):
         if weight.shape != (inputs, len(offset)):

@@ -7,12 +7,12 @@ from enum import IntEnum
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Floats, Ints
+from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.footprint import BeamShape
 from app.core.ghosts.correction import CLEAN
 from app.core.ghosts.image import GhostImage
 from app.core.ghosts.score import BEAM, THRESHOLD
-from app.core.ghosts.surfaces import BeamSurfaces, find_surfaces
+from app.core.ghosts.surfaces import BeamSurfaces, find_surfaces, lay_ground, number_members
 from app.core.progress import QUIET, Progress
 
 ON_SURFACE = 0.006
@@ -70,8 +70,8 @@ class Reasons:
 
 
 def explain_points(
-    image: GhostImage, points: Ints, score: Floats, *, beam: BeamShape | None = None,
-    light: Floats | None = None, progress: Progress = QUIET,
+    image: GhostImage, points: Ints, score: Floats, *, threshold: float = THRESHOLD,
+    beam: BeamShape | None = None, light: Floats | None = None, progress: Progress = QUIET,
 ) -> Reasons:  # fmt: skip
     """Say why points are ghosts or not.
 
@@ -81,6 +81,8 @@ def explain_points(
     points : (k,) numbers
     score : (n,) 0 to 1
         Of all points.
+    threshold : float
+        Score from which on a point is a ghost, which supports no surface.
     beam : BeamShape or None
         None: that of `score_ghosts`.
     light : (n,) or None
@@ -88,24 +90,23 @@ def explain_points(
     progress : Progress
     """
     beam = BEAM if beam is None else beam
-    mixed = ~(score <= CLEAN)
-    surfaces = find_surfaces(image, mixed, points, beam, light, progress)
+    mixed = ~((score <= CLEAN) & (score < threshold))
+    surfaces = find_surfaces(lay_ground(image, mixed, light), points, beam, progress)
     own = image.own[points]
     with np.errstate(invalid="ignore"):
         share = None if light is None else np.exp(light[points] - surfaces.light[:, 0])
         return Reasons(
-            _sort(own, score[points], surfaces),
+            _sort(own, score[points] >= threshold, surfaces),
             surfaces.distance[:, :2] - own[:, None],
-            surfaces.member[:, :2],
+            number_members(image, points, surfaces)[:, :2],
             share,
             _measure_border(image, points, surfaces, beam),
             np.arctan(surfaces.slope[:, 0]),
         )
 
 
-def _sort(own: Floats, score: Floats, surfaces: BeamSurfaces) -> AnyArray:
+def _sort(own: Floats, ghost: Bools, surfaces: BeamSurfaces) -> AnyArray:
     first, second = (surfaces.distance[:, k] - own for k in (0, 1))
-    ghost = score > THRESHOLD
     reason = np.full(len(own), Reason.ON_SURFACE, np.uint8)
     reason[ghost] = Reason.BESIDE
     reason[ghost & (first * second < 0.0)] = Reason.BETWEEN

@@ -15,21 +15,20 @@ from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.chunks import run_in_pieces, split_evenly
 from app.core.footprint import BeamShape, check_beam
 from app.core.ghosts import evidence
-from app.core.ghosts.context import describe_context, scale_light
+from app.core.ghosts.context import weigh_beams
 from app.core.ghosts.density import score_by_density
 from app.core.ghosts.evidence import find_doubtful
-from app.core.ghosts.image import GhostImage, lay_out
+from app.core.ghosts.image import GhostImage, lay_out, try_layout
 from app.core.ghosts.network import Network, load_network
-from app.core.ghosts.surfaces import find_surfaces
 from app.core.incidence import RADIUS
 from app.core.neighbours.asked import as_points, each_once
-from app.core.neighbours.steps import Cells, ScanGrid, UnusableGrid
+from app.core.neighbours.steps import Cells, ScanGrid
 from app.core.progress import QUIET, Progress
 
 THRESHOLD = 0.5
 BEAM = BeamShape(0.0015, float(np.deg2rad(0.014)))
 """Of the FARO LS880; what is taken where nobody told the beam."""
-UNDECIDED = (0.02, 0.99)
+UNDECIDED = (0.04, 0.98)
 """After the first glance; below and above a second look changes no verdict."""
 MIXED = 0.5
 PIECE = 20_000
@@ -42,7 +41,7 @@ class Scores:
     Attributes
     ----------
     score : (k,) 0 to 1
-        NaN for points without coordinates or range. Above `THRESHOLD`: a ghost.
+        NaN for points without coordinates or range. From `THRESHOLD` on: a ghost.
     method : {'scan grid', 'density'}
         How; without a scan grid the score is a weaker one.
     looked : int
@@ -56,14 +55,14 @@ class Scores:
 
 def score_ghosts(
     xyz: Floats, scanner: AnyArray, points: Ints | None = None, grid: ScanGrid | None = None, *,
-    beam: BeamShape | None = None, light: AnyArray | None = None, radius: float = RADIUS,
+    beam: BeamShape | None = None, light: AnyArray | None = None, image: GhostImage | None = None,
     progress: Progress = QUIET,
 ) -> Scores:  # fmt: skip
     """Score points from 0 (lies on a surface) to 1 (ghost).
 
-    On a scan grid: points off which nothing lies in a window of 7 × 7 beams score 0. For the
-    others a small network weighs how far off the beams around are and how straight lines run
-    through the point; where that does not decide, a second one weighs the surfaces carried on
+    On a scan grid: points whose eight beams beside lie level with them score 0. For the others
+    a small network weighs how far off the beams of a window of 7 × 7 are and how straight lines
+    run through the point; where that does not decide, a second one weighs the surfaces carried on
     to the beam, the beams beside, and the light. Both learned on simulated scans.
 
     Without a grid: points per ball against the density expected at that range, a weaker
@@ -80,8 +79,8 @@ def score_ghosts(
         None: `BEAM`.
     light : (n,) or None
         Intensity: DN of a logarithmic amplifier, or the logarithm of power or reflectance.
-    radius : float
-        Metres: the ball of the score without a grid.
+    image : GhostImage or None
+        What `lay_out` makes of these points, where it is at hand.
     progress : Progress
 
     Raises
@@ -93,12 +92,9 @@ def score_ghosts(
     check_beam(*beam)
     xyz, scanner = as_points(xyz), np.array(scanner, dtype=np.float64)
     asked, where = each_once(points, len(xyz))
-    try:
-        if grid is None:
-            raise UnusableGrid("the scan has no rows and columns")
-        image = lay_out(xyz, scanner, grid)
-    except UnusableGrid:
-        score = score_by_density(xyz, scanner, points, radius, progress)
+    image = image or try_layout(xyz, scanner, grid)
+    if image is None:
+        score = score_by_density(xyz, scanner, points, RADIUS, progress)
         return Scores(score, "density", len(score))
     rows = np.arange(len(xyz)) if asked is None else asked
     glance, judgement = load_network("glance"), load_network("judgement")
@@ -115,8 +111,9 @@ def score_by_networks(
     score, looked = see_all(image, needed, beam, glance, progress.part(0.0, 0.6))
     undecided = asked[(score[asked] > UNDECIDED[0]) & (score[asked] < UNDECIDED[1])]
     if len(undecided):
-        rows = look_again(image, undecided, score, beam, light, progress.part(0.6, 1.0))
-        score[undecided] = judgement.weigh(rows)
+        score[undecided], _ = weigh_beams(
+            image, score > MIXED, undecided, score, beam, light, judgement, progress.part(0.6, 1.0)
+        )
     with np.errstate(invalid="ignore"):
         score[~(image.own > 0.0) | ~np.isfinite(image.own)] = np.nan
     return score[asked], looked
@@ -126,7 +123,7 @@ def _add_neighbours(image: GhostImage, asked: Ints) -> Ints:
     """The asked points, and all that the surfaces along their beams may rest on."""
     from scipy.ndimage import maximum_filter
 
-    from app.core.kernels.ghost_evidence import MARGIN
+    from app.core.kernels.ghost_image import MARGIN
     from app.core.kernels.ghost_surfaces import DEEPEST
 
     cells = image.cells
@@ -156,16 +153,6 @@ def see_all(
     return score, sum(looked)
 
 
-def look_again(
-    image: GhostImage, points: Ints, score: Floats, beam: BeamShape, light: AnyArray | None,
-    progress: Progress = QUIET,
-) -> AnyArray:  # fmt: skip
-    """What the second look sees of some points, (k, NAMES)."""
-    scaled = None if light is None else scale_light(image, light)
-    surfaces = find_surfaces(image, score > MIXED, points, beam, scaled, progress)
-    return describe_context(image, points, score, surfaces, scaled)
-
-
 @cache
 def warm_up() -> None:
     """Compile, or load, the kernels once, so that no measured second holds it."""
@@ -175,4 +162,4 @@ def warm_up() -> None:
     image = lay_out(xyz, np.zeros(3), Cells(16, 16, row, column))
     some = np.arange(len(xyz))
     score, _ = see_all(image, some, BEAM, load_network("glance"))
-    look_again(image, some, score, BEAM, None)
+    weigh_beams(image, score > MIXED, some, score, BEAM, None, load_network("judgement"))

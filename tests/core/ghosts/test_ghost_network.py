@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -28,21 +30,42 @@ def test_kernel_writes_what_is_named():
     assert len(evidence.NAMES) == ghost_evidence.COUNT
 
 
-def test_network_is_the_sum_of_its_layers():
+def _weigh_by_matrices(network, rows):
+    signal = rows.astype(np.float64)
+    for weight, offset in zip(network.weights[:-1], network.offsets[:-1], strict=True):
+        signal = np.maximum(signal @ weight + offset, 0.0)
+    logit = (signal @ network.weights[-1] + network.offsets[-1])[:, 0]
+    return 1.0 / (1.0 + np.exp(-logit))
+
+
+@pytest.mark.parametrize(
+    ("count", "inputs", "hidden"), [(1, 1, (1, 1)), (64, 5, (3, 2)), (200, 8, (7, 4))]
+)
+def test_network_is_the_sum_of_its_layers(count, inputs, hidden):
+    random = np.random.default_rng(count)
+    sizes = (inputs, *hidden, 1)
     stored = Stored(
-        "", ("a", "b"), (((1.0, -2.0), (0.5, 1.0)), ((2.0,), (3.0,))), ((0.0, 1.0), (-1.0,))
+        "",
+        tuple(map(str, range(inputs))),
+        tuple(
+            tuple(map(tuple, random.normal(size=shape).tolist()))
+            for shape in itertools.pairwise(sizes)
+        ),
+        tuple(tuple(random.normal(size=size).tolist()) for size in sizes[1:]),
     )
-    rows = np.array([[1.0, 2.0], [-1.0, 0.5]], np.float32)
-    hidden = np.maximum(rows @ [[1.0, -2.0], [0.5, 1.0]] + [0.0, 1.0], 0.0)
-    logit = hidden @ [2.0, 3.0] - 1.0
-    assert build_network(stored).weigh(rows) == pytest.approx(1 / (1 + np.exp(-logit)), rel=1e-6)
+    rows = random.normal(size=(count, inputs)).astype(np.float32)
+    network = build_network(stored)
+    assert network.weigh(rows) == pytest.approx(_weigh_by_matrices(network, rows), rel=1e-4)
 
 
 def test_layers_that_do_not_fit_are_refused():
+    one = ((1.0,),)
     with pytest.raises(WrongUse, match="cannot follow"):
-        build_network(Stored("", ("a",), (((1.0,), (1.0,)),), ((0.0,),)))
+        build_network(Stored("", ("a",), (((1.0,), (1.0,)), one, one), ((0.0,),) * 3))
     with pytest.raises(WrongUse, match="one number"):
-        build_network(Stored("", ("a",), (((1.0, 2.0),),), ((0.0, 0.0),)))
+        build_network(Stored("", ("a",), (one, one, ((1.0, 2.0),)), ((0.0,), (0.0,), (0.0, 0.0))))
+    with pytest.raises(WrongUse, match="3 layers"):
+        build_network(Stored("", ("a",), (one,), ((0.0,),)))
 
 
 def test_teaching_finds_a_curved_border_and_is_repeatable():
@@ -62,5 +85,5 @@ def test_the_quick_way_is_the_plain_one(make_scene):
     places = evidence.find_doubtful(image, everyone, 0, len(everyone))
     network = load_network("glance")
     quick = evidence.glance(image, everyone, places, BEAM, network)
-    plain = network.weigh(evidence.gather(image, everyone, places, BEAM))
+    plain = _weigh_by_matrices(network, evidence.gather(image, everyone, places, BEAM))
     assert np.abs(quick - plain).max() < 1e-4

@@ -115,6 +115,13 @@ def test_several_returns_of_a_beam_do_not_hide_one_another(make_scene):
     score = score_ghosts(xyz, ORIGIN, None, grid).score
     assert (score[len(scene.xyz) :] > THRESHOLD).mean() < 0.1
     assert (score[border] > THRESHOLD).mean() > 0.8
+    mixed = np.random.default_rng(4).permutation(len(xyz))
+    shuffled = SimpleNamespace(
+        rows=grid.rows, columns=grid.columns, row=grid.row[mixed], column=grid.column[mixed]
+    )
+    again = score_ghosts(xyz[mixed], ORIGIN, None, shuffled).score
+    # Steps and noise are measured on some of the points: on others in another order.
+    assert ((again > THRESHOLD) == (score[mixed] > THRESHOLD)).mean() > 0.999
 
 
 def test_lonely_point_is_a_ghost():

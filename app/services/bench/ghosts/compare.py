@@ -20,6 +20,7 @@ from app.services.bench.ghosts.measures import (
     judge_corrections,
     trace_curve,
 )
+from app.services.bench.ghosts.reliability import Reliability, judge_confidence
 from app.services.bench.ghosts.rivals import SOR_FAST, Rival, list_rivals
 from app.services.bench.ghosts.scenes import make_scene
 from app.services.bench.ghosts.truth import Group, Scene
@@ -96,11 +97,12 @@ class Facts:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """All results on a scene, ours first; and where our corrections went."""
+    """All results on a scene, ours first; where our corrections went, and how sure they were."""
 
     facts: Facts
     results: tuple[Result, ...]
     corrections: Corrections
+    reliability: Reliability
 
     @property
     def ours(self) -> Result:
@@ -147,7 +149,8 @@ def compare(scene: Scene, peers: bool = True, progress: Progress = QUIET) -> tup
         seconds = _take_turns(scene, rivals, progress.part(0.7, 1.0))
         found = [replace(one, seconds=seconds.get(one.name, one.seconds)) for one in found]
     corrections = judge_corrections(scene, answer.corrected, answer.ranges)
-    return Outcome(gather_facts(scene), tuple(found), corrections), answer.called
+    reliability = judge_confidence(scene, answer.confidence, answer.ranges)
+    return Outcome(gather_facts(scene), tuple(found), corrections, reliability), answer.called
 
 
 def gather_facts(scene: Scene) -> Facts:

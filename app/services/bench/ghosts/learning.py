@@ -21,8 +21,7 @@ from app.core.ghosts.correction import CLEAN
 from app.core.ghosts.evidence import NAMES, find_doubtful, gather
 from app.core.ghosts.image import GhostImage
 from app.core.ghosts.network import Name, Network, Stored, build_network
-from app.core.ghosts.score import look_again, score_by_networks, see_all
-from app.core.ghosts.surfaces import find_surfaces
+from app.core.ghosts.score import MIXED, score_by_networks, see_all
 from app.formats.atomic import atomic_path
 from app.model.ghost_fields import light_of
 from app.model.state import ScanState
@@ -125,7 +124,8 @@ def _ask_judgement(
     told, _ = see_all(seen.image, np.arange(len(seen.scene)), seen.beam, glance)
     undecided = np.flatnonzero((told > SEEN[0]) & (told < SEEN[1]))
     some = _draw(_certain(seen.scene, undecided), ROWS["judgement"], random)
-    rows = look_again(seen.image, some, told, seen.beam, seen.light)
+    around = context.Surroundings(seen.image, told > MIXED, told, seen.beam, seen.light)
+    rows, _ = around.describe(some)
     return rows, seen.scene.off[some] > GHOST
 
 
@@ -135,11 +135,11 @@ def _ask_confidence(
     scene, image = seen.scene, seen.image
     everyone = np.arange(len(scene))
     score, _ = score_by_networks(image, everyone, seen.beam, seen.light, glance, judgement)
-    some = _draw(np.flatnonzero(score > THRESHOLD), ROWS["confidence"], random)
-    light = None if seen.light is None else context.scale_light(image, seen.light)
-    surfaces = find_surfaces(image, ~(score <= CLEAN), some, seen.beam, light)
-    rows = context.describe_context(image, some, np.nan_to_num(score, nan=1.0), surfaces, light)
-    after = np.abs(surfaces.distance[:, 0] - scene.main[some])
+    some = _draw(np.flatnonzero(score >= THRESHOLD), ROWS["confidence"], random)
+    glanced = np.where(np.isnan(score), 1.0, score)
+    around = context.Surroundings(image, ~(score <= CLEAN), glanced, seen.beam, seen.light)
+    rows, ranges = around.describe(some)
+    after = np.abs(ranges - scene.main[some])
     before = np.abs(scene.own[some] - scene.main[some])
     with np.errstate(invalid="ignore"):
         return rows, (after <= 2.0 * scene.sigma[some]) & (after <= before)

@@ -31,13 +31,16 @@ class Answer:
     corrected : (n,) bool
         Points that are put back on a surface.
     ranges : (n,) metres
-        Where to, along their beams; as scanned elsewhere.
+        Where ghosts belong, along their beams; as scanned elsewhere.
+    confidence : (n,)
+        Of the corrections; NaN where nothing is called.
     """
 
     called: Bools
     score: Floats
     corrected: Bools
     ranges: Floats
+    confidence: Floats
 
 
 def judge(scan: Scan, beam: Beam) -> Answer:
@@ -45,11 +48,16 @@ def judge(scan: Scan, beam: Beam) -> Answer:
     scanner, grid = scan.scanner("ghost points"), cells_of(scan)
     shape = BeamShape(beam.radius, beam.half_divergence)
     light = light_of(ScanState.fresh(scan))
-    score = ghosts.score_ghosts(scan.xyz, scanner, None, grid, beam=shape, light=light).score
-    called = score > ghosts.THRESHOLD
+    image = ghosts.try_layout(scan.xyz, scanner, grid)
+    score = ghosts.score_ghosts(scan.xyz, scanner, beam=shape, light=light, image=image).score
+    called = score >= ghosts.THRESHOLD
     places = np.flatnonzero(called)
-    found = ghosts.correct_ghosts(scan.xyz, scanner, places, score, grid, beam=shape, light=light)
+    found = ghosts.correct_ghosts(
+        scan.xyz, scanner, places, score, beam=shape, light=light, image=image
+    )
     ranges, corrected = ranges_of(scan), np.zeros(len(score), bool)
     corrected[places] = found.corrected
-    ranges[places[found.corrected]] = found.ranges[found.corrected]
-    return Answer(called, score, corrected, ranges)
+    ranges[places] = found.ranges
+    confidence = np.full(len(score), np.nan)
+    confidence[places] = found.confidence
+    return Answer(called, score, corrected, ranges, confidence)

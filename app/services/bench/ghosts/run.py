@@ -13,13 +13,20 @@ from app.services.bench.ghosts.goals import judge_all, tabulate_goals
 from app.services.bench.ghosts.map import MAPPED, Map, draw_map, make_map
 from app.services.bench.ghosts.pictures import draw_costs, draw_curves
 from app.services.bench.ghosts.plans import PLANS
+from app.services.bench.ghosts.reliability import tabulate_reliability
 from app.services.bench.ghosts.scenes import OTHERS, make_scene, read_other
 from app.services.bench.ghosts.tables import tabulate_calls, tabulate_corrections, tabulate_scenes
 from app.services.bench.ghosts.truth import Scene
 from app.services.bench.results import Bench, list_targets
 
 NAME = "ghosts"
-TABLES = ("ghosts_goals", "ghosts_calls", "ghosts_corrections", "ghosts_scenes")
+TABLES = (
+    "ghosts_goals",
+    "ghosts_calls",
+    "ghosts_corrections",
+    "ghosts_reliability",
+    "ghosts_scenes",
+)
 PICTURES = ("ghosts", "ghosts_curves", "ghosts_map")
 SEEDS = (101, 102)
 """The peers take part in the first."""
@@ -61,6 +68,7 @@ def bench_ghosts(
         tabulate_goals(judge_all(outcomes)),
         tabulate_calls(outcomes),
         tabulate_corrections(outcomes),
+        tabulate_reliability([(_kind(one), one.reliability) for one in outcomes]),
         tabulate_scenes(outcomes),
     )
     rich = [one for one in outcomes if one.rivals and one.facts.ghosts > 0.0]
@@ -68,6 +76,12 @@ def bench_ghosts(
     if mapped is not None:
         pictures["ghosts_map"] = partial(draw_map, mapped)
     return Bench(NAME, tables, pictures)
+
+
+def _kind(outcome: Outcome) -> str:
+    """Scenes whose corrections are counted together; those of the other simulator stand alone."""
+    facts = outcome.facts
+    return facts.title if facts.seed < 0 else facts.group
 
 
 def refuse_bench_ghosts(out: Path, overwrite: bool) -> None:

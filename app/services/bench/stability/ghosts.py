@@ -76,7 +76,7 @@ def judge(scan: GhostScan) -> Bools:
     seen = np.isfinite(scan.xyz).all(axis=1) & (scan.xyz != scan.scanner).any(axis=1)
     if (np.isnan(score) == seen).any() or (score[seen] < 0.0).any() or (score[seen] > 1.0).any():
         raise ArithmeticError("a score is missing, one too many, or none")
-    ghost: Bools = score > THRESHOLD
+    ghost: Bools = score >= THRESHOLD
     found = correct_ghosts(
         scan.xyz, scan.scanner, np.flatnonzero(ghost), score, scan.cells, beam=scan.beam
     )

@@ -135,10 +135,11 @@ def test_a_clean_scan_is_judged_by_false_alarms_alone():
 
 def test_our_answer_is_whole(scene):
     answer = ours.judge(scene.scan, scene.beam)
-    still = ~answer.corrected
+    still = ~answer.called
     np.testing.assert_array_equal(answer.ranges[still], scene.own[still])
-    assert not (answer.corrected & ~answer.called).any()
-    assert np.isfinite(answer.ranges).all()
+    np.testing.assert_array_equal(np.isfinite(answer.confidence), answer.called)
+    assert not (answer.corrected & still).any()
+    assert np.isfinite(answer.ranges[answer.corrected]).all()
 
 
 def test_a_thinned_curve_keeps_its_best_setting():

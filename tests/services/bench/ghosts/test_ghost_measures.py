@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from app.model.parameters import Beam
 from app.model.scan import Grid, Pose, Scan
 from app.services.bench.ghosts.measures import judge_calls, judge_corrections, trace_curve
+from app.services.bench.ghosts.reliability import judge_confidence, tabulate_reliability
 from app.services.bench.ghosts.truth import Scene, cells_of, strip_truth
 
 
@@ -144,3 +145,19 @@ def test_a_method_gets_no_truth():
     assert list(bare.metadata) == ["seed"]
     with pytest.raises(Exception, match="no rows and columns"):
         cells_of(bare)
+
+
+def test_confidence_is_held_against_what_came_true():
+    scene = make([0.1] * 6)
+    said = np.array([0.97, 0.96, 1.0, 0.3, 0.82, np.nan])
+    # Points stand at 2 m, where they belong: whatever moves them makes it worse.
+    ranges = np.array([2.0, 2.5, 2.0, np.nan, 2.0, 2.5])
+    found = judge_confidence(scene, said, ranges)
+    rows = tabulate_reliability([("a", found), ("b", found), ("a", found)]).rows
+    assert [row["scenes"] for row in rows] == ["a"] * 3 + ["b"] * 3
+    assert [(row["confidence"], row["points"], row["right_percent"]) for row in rows[:3]] == [
+        ("0.2 to 0.5", 2, 0.0),
+        ("0.8 to 0.85", 2, 100.0),
+        ("0.95 to 1", 6, 66.7),
+    ]
+    assert rows[2]["said_percent"] == 97.7
