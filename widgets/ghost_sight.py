@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, QPoint, QTimer
+from PySide6.QtCore import QObject, QPoint, QTimer, Signal
 from PySide6.QtWidgets import QToolTip
 
 from app.core.progress import Progress
@@ -12,14 +12,16 @@ from app.core.screen import pick, project
 from app.model.events import Change
 from app.model.fields import Same
 from app.model.project import Project
+from app.render.camera import Camera, centre_on
 from app.services.cleanup.answers import Answer
 from app.services.cleanup.apply import make_step
 from app.services.cleanup.explain import Explainer
 from app.services.jobs import Job
 from widgets.common.aside import copy_aside
 from widgets.common.ghosts.sight import (
+    choose_view,
     corners_around,
-    look_across,
+    is_turned,
     mark_ghost,
     mark_moves,
     reach_around,
@@ -36,7 +38,15 @@ REACH = 6.0  # pixels around the cursor
 
 
 class GhostSight(QObject):
-    """Moves the camera to ghosts, says why what is hovered is one, and shows the after."""
+    """Moves the camera to ghosts, says why what is hovered is one, and shows the after.
+
+    Signals
+    -------
+    explained(str)
+        Why the point that was picked is a ghost, or none; empty where that is not known.
+    """
+
+    explained = Signal(str)
 
     def __init__(
         self, controller: Controller, picture: Picture, panel: GhostsPanel, view: View3D,
@@ -47,6 +57,7 @@ class GhostSight(QObject):
         self._explainer: tuple[object, Explainer] | None = None
         self._place: tuple[float, float] | None = None
         self._job: Job | None = None
+        self._given: Camera | None = None
         self._shown = False
         self._rest = QTimer(self, singleShot=True, interval=REST_MS)
         self._rest.timeout.connect(self._hover)
@@ -54,12 +65,13 @@ class GhostSight(QObject):
         self._later.timeout.connect(self._mark)
         session = panel.page.session
         session.moved.connect(self._go)
-        session.changed.connect(self._later.start)
-        panel.session_shown.connect(self._mark_soon)
+        session.changed.connect(self._begin)
+        panel.session_shown.connect(self._begin)
         panel.page.after_toggled.connect(self._show_after)
         panel.page.keys.serve(view)
         view.hovered.connect(self._note_hover)
         picture.picker.found.connect(self._explain_picked)
+        self.explained.connect(panel.explain)
         controller.document_changed.connect(self._on_document)
 
     def stop(self) -> None:
@@ -71,15 +83,34 @@ class GhostSight(QObject):
     # Where to look
 
     def _go(self) -> None:
-        view, found = self._picture.view, self._panel.page.session.ghost_and_scanner()
-        if view is None or found is None:
+        """Look at the ghost from where nothing hides it; who turned the picture keeps his view."""
+        view, session = self._picture.view, self._panel.page.session
+        found, state = session.ghost_and_scanner(), self._controller.scan
+        if view is None or found is None or state is None:
             return
         point, scanner, shift = found
-        view.set_camera(look_across(view.camera(), point, scanner))
-        view.fit(corners_around(point, reach_around(point, scanner, shift)))
-        self._mark()
+        camera, ghost, given = view.camera(), session.ghost, self._given
+        if given is not None and is_turned(camera, given):
+            view.set_camera(centre_on(camera, point))
+            self._mark()
+            return
+        reach = reach_around(point, scanner, shift)
 
-    def _mark_soon(self, *_: object) -> None:
+        def work(_: Progress) -> Camera:
+            return choose_view(camera, state.scan.xyz, state.alive, point, scanner, reach)
+
+        def done(chosen: Camera) -> None:
+            if view is self._picture.view and session.ghost == ghost:
+                view.set_camera(chosen)
+                view.fit(corners_around(point, reach))
+                self._given = view.camera()
+                self._mark()
+
+        self._controller.run(self.tr("Looking at a ghost"), work, done)
+
+    def _begin(self, *_: object) -> None:
+        """The page of the queue came or went, or another queue: look across the beams again."""
+        self._given = None
         self._later.start()
 
     def _mark(self) -> None:
@@ -168,14 +199,18 @@ class GhostSight(QObject):
 
     def _explain_picked(self, scan: str, row: int) -> None:
         explainer = self._prepare()
-        if explainer is None or scan != self._controller.current or not self._panel.isVisible():
-            self._panel.explain("")
+        self.explained.emit("")
+        if explainer is None or scan != self._controller.current:
             return
 
         def work(progress: Progress) -> str:
             return explainer.explain(row, progress).sentence
 
-        self._controller.run(self.tr("Explaining a point"), work, self._panel.explain)
+        def done(sentence: str) -> None:
+            if self._picture.picker.point == (scan, row):
+                self.explained.emit(sentence)
+
+        self._controller.run(self.tr("Explaining a point"), work, done)
 
     def _prepare(self) -> Explainer | None:
         """What explains points of the current scan as it is now; None without a score."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.core.arrays import AnyArray
 from app.core.errors import BadInput
-from app.model.operations import AnyOperation, Coordinates
+from app.model.operations import AnyOperation, Coordinates, Numbers
 from app.model.points import PointSet
 
 
@@ -20,7 +20,7 @@ def encode(operation: AnyOperation, arrays: dict[str, AnyArray], prefix: str) ->
     def hook(value: Any) -> Any:
         if isinstance(value, PointSet):
             array: AnyArray = value.indices
-        elif isinstance(value, Coordinates):
+        elif isinstance(value, (Coordinates, Numbers)):
             array = value.values
         else:
             raise NotImplementedError(f"cannot store {type(value).__name__}")
@@ -53,4 +53,8 @@ def _restore(wanted: type, array: AnyArray) -> Any:
         if array.ndim != 2 or array.shape[1] != 3:
             raise ValueError("coordinates must be n × 3")
         return Coordinates(np.asarray(array, np.float64))
+    if wanted is Numbers:
+        if array.ndim != 1 or array.dtype.kind != "f":
+            raise ValueError("numbers of points must be a list of floats")
+        return Numbers(array)
     raise ValueError(f"unexpected {wanted.__name__}")

@@ -8,7 +8,7 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 
-from app.core.arrays import Floats, Ints
+from app.core.arrays import AnyArray, Floats, Ints
 from app.core.errors import WrongUse
 from app.core.units import count_points
 from app.model.leaf import FitRecord, Leaf, Sample
@@ -218,12 +218,34 @@ class Coordinates:
         return f"Coordinates({len(self.values)} points)"
 
 
+class Numbers:
+    """Immutable (k,) float32 numbers inside an operation, one per point."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, values: AnyArray) -> None:
+        self.values = np.array(values, np.float32)
+        self.values.flags.writeable = False
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Numbers):
+            return NotImplemented
+        return np.array_equal(self.values, other.values, equal_nan=True)
+
+    def __hash__(self) -> int:
+        return hash(self.values.tobytes())
+
+    def __repr__(self) -> str:
+        return f"Numbers({len(self.values)} points)"
+
+
 class MovePoints(Operation, frozen=True):
-    """Put points somewhere else: corrected ghosts."""
+    """Put points somewhere else: corrected ghosts, and how sure each of them is there."""
 
     scan: str
     points: PointSet
     to: Coordinates
+    confidence: Numbers | None = None
 
     @property
     def title(self) -> str:
@@ -234,10 +256,24 @@ class MovePoints(Operation, frozen=True):
         rows = _rows(self.points, old)
         if len(rows) != len(self.to.values):
             raise WrongUse(f"{len(rows)} points cannot move to {len(self.to.values)} places.")
-        back = MovePoints(self.scan, self.points, Coordinates(old.scan.xyz[rows]))
+        if self.confidence is not None and len(self.confidence.values) != len(rows):
+            raise WrongUse(f"{len(self.confidence.values)} confidences are not of these points.")
+        before = None if old.confidence is None else Numbers(old.confidence[rows])
+        back = MovePoints(self.scan, self.points, Coordinates(old.scan.xyz[rows]), before)
         xyz = old.scan.xyz.copy()
         xyz[rows] = self.to.values
-        return state.with_scan(self.scan, replace(old, scan=old.scan.with_xyz(xyz))), back
+        new = replace(old, scan=old.scan.with_xyz(xyz), confidence=self._weigh(old, rows))
+        return state.with_scan(self.scan, new), back
+
+    def _weigh(self, old: ScanState, rows: Ints) -> AnyArray | None:
+        """Confidence of all points of the scan; None where none is known."""
+        if old.confidence is None and self.confidence is None:
+            return None
+        size = len(old.scan)
+        found = np.full(size, np.nan, np.float32) if old.confidence is None else old.confidence
+        found = found.copy()
+        found[rows] = np.nan if self.confidence is None else self.confidence.values
+        return found if np.isfinite(found).any() else None
 
 
 class Select(Operation, frozen=True):

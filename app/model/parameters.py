@@ -77,6 +77,9 @@ class Beam(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         check_beam(self.radius, self.half_divergence)
+        # Numbers of numpy pass for floats everywhere but in a session.
+        for name in ("radius", "half_divergence"):
+            msgspec.structs.force_setattr(self, name, float(getattr(self, name)))
 
 
 class ScanPower(msgspec.Struct, frozen=True):
@@ -125,7 +128,7 @@ class Parameters(msgspec.Struct, frozen=True):
     plane_gate : float
         Distance to a leaf's plane beyond which a point counts as off it, metres.
     ghost_threshold : float
-        Score from which a point counts as a ghost, 0 to 1.
+        Score from which on a point counts as a ghost: above 0, at most 1.
     channel : str or None
         Channel that fits and angles from intensity use; None is the first one.
     curve : Curve or None
@@ -189,8 +192,11 @@ class Parameters(msgspec.Struct, frozen=True):
                 f"Give metres, at most {LARGEST_RADIUS:g}; the usual 4 mm are 0.004.",
             )
         _check_positive("The plane gate", self.plane_gate)
-        if not 0.0 <= self.ghost_threshold <= 1.0:
-            raise WrongUse(f"A ghost threshold lies in 0 to 1, not at {self.ghost_threshold}.")
+        if not 0.0 < self.ghost_threshold <= 1.0:
+            raise WrongUse(
+                f"A ghost threshold lies above 0 and up to 1, not at {self.ghost_threshold:g}.",
+                "A point is a ghost if its score is at least the threshold; 0 would call all so.",
+            )
         if self.synthetic_footprint is not None:
             check_diameter(self.synthetic_footprint)
         if not 0.0 < self.waveform_threshold <= MOST_SIGMAS:

@@ -39,6 +39,8 @@ class ScanState:
     parameters : Parameters
     closed : bool
         Taken off the table; comes back by undo.
+    confidence : (n,) float32 array or None
+        Of points that were put back on a surface, that they lie right, 0 to 1; NaN for others.
     """
 
     scan: Scan
@@ -47,6 +49,7 @@ class ScanState:
     selection: PointSet = EMPTY
     parameters: Parameters = field(default_factory=Parameters)
     closed: bool = False
+    confidence: AnyArray | None = None
 
     @classmethod
     def fresh(cls, scan: Scan) -> ScanState:

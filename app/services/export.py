@@ -20,6 +20,7 @@ from app.model.fields import find_spec
 from app.model.parameters import Parameters
 from app.model.project import Project
 from app.model.scan import Scan
+from app.services.cleanup.moves import UNITS, describe_moves
 
 # Suffix -> module of `app.formats`, and whether pose and provenance need a sidecar.
 WRITERS = {
@@ -40,8 +41,11 @@ def gather(
     fields: Sequence[str],
     portion: Portion = "everything",
     progress: Progress = QUIET,
+    traces: bool = False,
 ) -> Cloud:
     """Collect what is to be written; deleted points never are.
+
+    With `traces` marks and moves of ghosts have columns also where there are none.
 
     Raises
     ------
@@ -60,8 +64,9 @@ def gather(
         if find_spec(catalogue, name).stored:
             continue  # the file's own values travel with the scan, in their own type
         values[name] = as_stored(project.field(scan, name, None, progress), name, project, scan)
-    values |= judgements(project, scan)
+    values |= judgements(project, scan, traces)
     units = {name: catalogue[name].unit for name in values if name in catalogue}
+    units |= {name: unit for name, unit in UNITS.items() if name in values}
     cloud = Cloud(state.scan, values, units, provenance(project, scan))
     return cloud if len(rows) == len(state.scan) else cloud.subset(rows)
 
@@ -102,11 +107,11 @@ def as_stored(values: AnyArray, name: str, project: Project, scan: str) -> AnyAr
     return values == 1.0 if spec.kind == "flag" else values
 
 
-def judgements(project: Project, scan: str) -> dict[str, AnyArray]:
-    """Leaf numbers and ghost marks, where the user made some."""
+def judgements(project: Project, scan: str, traces: bool = False) -> dict[str, AnyArray]:
+    """Leaf numbers, ghost marks and moves of ghosts, where there are some."""
     state = project.state.scan(scan)
-    found: dict[str, AnyArray] = {}
-    if state.marks.any():
+    found: dict[str, AnyArray] = describe_moves(project, scan, traces)
+    if traces or state.marks.any():
         found["ghost_mark"] = state.marks
     leaves = project.state.leaves_of(scan)
     if leaves:

@@ -15,6 +15,7 @@ from app.core.progress import QUIET, Progress
 from app.core.units import to_degrees
 from app.model.neighbours import neighbours_of
 from app.model.scan import Scan
+from app.services.channel_doubts import doubt_channel
 from app.services.opening import Opening, open_file, propose_pose
 
 
@@ -96,6 +97,7 @@ def describe_opened(opening: Opening, progress: Progress = QUIET) -> dict[str, A
     found = describe_scans(scans)
     found["neighbours"] = [_describe_neighbours(scan, progress.part(0.6, 1.0)) for scan in scans]
     found["warnings"] += [note for scan in scans if (note := _propose(scan))]
+    found["warnings"] += _unique(note for scan in scans if (note := doubt_channel(scan)))
     return found
 
 

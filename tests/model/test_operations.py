@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
+from app.core.errors import BadInput, WrongUse
 from app.model.codec import decode, encode
 from app.model.leaf import Leaf, Sample
 from app.model.operations import (
@@ -15,6 +18,7 @@ from app.model.operations import (
     Coordinates,
     MarkGhosts,
     MovePoints,
+    Numbers,
     PutLeaf,
     PutSample,
     PutSeries,
@@ -58,11 +62,16 @@ def moves(chosen: PointSet) -> MovePoints:
     return MovePoints("scan-00001", chosen, Coordinates(to))
 
 
+def sure_moves(chosen: PointSet) -> MovePoints:
+    return replace(moves(chosen), confidence=Numbers(np.linspace(0.8, 1.0, len(chosen))))
+
+
 simple = st.one_of(
     st.builds(SetDeleted, st.just("scan-00001"), points, st.booleans()),
     st.builds(MarkGhosts, st.just("scan-00001"), points, points, points),
     st.builds(Select, st.just("scan-00001"), points),
     points.map(moves),
+    points.map(sure_moves),
     st.builds(lambda r: SetParameters("scan-00001", Parameters(radius=r)), st.floats(0.001, 0.4)),
     st.builds(
         lambda k: SetParameters("scan-00001", Parameters(curve=Curve("lambert", {"f": k}, "i"))),
@@ -103,6 +112,7 @@ def picture(state: State) -> object:
                 s.scan.channels,
                 s.deleted.tobytes(),
                 s.marks.tobytes(),
+                None if s.confidence is None else s.confidence.tobytes(),
                 s.selection,
                 s.parameters,
                 s.closed,
@@ -180,3 +190,27 @@ def test_naming_the_scanner_does_not_look_for_finite_points_again() -> None:
     moved = scan.xyz.copy()
     moved[3] = np.nan
     assert not scan.with_xyz(moved).valid[3]
+
+
+def test_the_confidence_of_moves_is_known_of_these_points_only() -> None:
+    project = fresh()
+    project.do(sure_moves(PointSet([3, 7])))
+    project.do(moves(PointSet([7, 9])))
+    confidence = project.state.scan("scan-00001").confidence
+    assert np.flatnonzero(np.isfinite(confidence)).tolist() == [3]
+    project.undo()
+    np.testing.assert_allclose(
+        project.state.scan("scan-00001").confidence[[3, 7, 9]], [0.8, 1.0, np.nan], atol=1e-6
+    )
+    project.undo()
+    assert project.state.scan("scan-00001").confidence is None
+    with pytest.raises(WrongUse, match="not of these points"):
+        project.do(replace(moves(PointSet([3, 7])), confidence=Numbers([0.5])))
+
+
+def test_numbers_that_are_none_are_refused() -> None:
+    arrays: dict[str, np.ndarray] = {}
+    text = encode(sure_moves(PointSet([3, 7])), arrays, "a")
+    name = next(key for key, held in arrays.items() if held.dtype == np.float32)
+    with pytest.raises(BadInput, match="list of floats"):
+        decode(text, arrays | {name: np.array([1, 2])})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import msgspec
+import numpy as np
 import pytest
 
 from app.core.errors import WrongUse
@@ -17,7 +18,9 @@ from app.model.parameters import Beam, Parameters
         ({"estimator": "octree"}, "no estimator 'octree'.*adaptive, robust, window, ball"),
         ({"radius": 0.0}, "positive"),
         ({"radius": 3.0}, "larger than any leaf"),
-        ({"ghost_threshold": 2.0}, "0 to 1"),
+        ({"ghost_threshold": 2.0}, "above 0 and up to 1, not at 2"),
+        ({"ghost_threshold": 0.0}, "0 would call all so"),
+        ({"ghost_threshold": float("nan")}, "above 0"),
     ],
 )
 def test_bad_values_are_refused_in_words(values: dict[str, object], says: str) -> None:
@@ -44,3 +47,10 @@ def test_estimator_and_beam_are_stored() -> None:
     step = SetParameters("scan-00001", wanted)
     assert decode(encode(step, {}, "a"), {}) == step
     assert b'"estimator":"ball"' in msgspec.json.encode(wanted)
+
+
+def test_a_beam_of_numpy_numbers_is_stored_as_well() -> None:
+    beam = Beam(np.float64(0.0015), np.float32(0.00025), "measured")
+    assert (type(beam.radius), type(beam.half_divergence)) == (float, float)
+    step = SetParameters("scan-00001", Parameters(beam=beam))
+    assert decode(encode(step, {}, "a"), {}) == step

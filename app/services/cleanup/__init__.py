@@ -2,7 +2,7 @@
 
 from app.services.cleanup.answers import SETTINGS, Answer, Setting, Uncertain
 from app.services.cleanup.apply import make_step
-from app.services.cleanup.explain import Explainer, explain_ghost
+from app.services.cleanup.explain import Explainer
 from app.services.cleanup.plan import Plan, plan_cleanup
 from app.services.cleanup.statistics import Statistics, sum_up
 
@@ -14,7 +14,6 @@ __all__ = [
     "Setting",
     "Statistics",
     "Uncertain",
-    "explain_ghost",
     "make_step",
     "plan_cleanup",
     "sum_up",

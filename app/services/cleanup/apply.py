@@ -12,6 +12,7 @@ from app.model.operations import (
     Coordinates,
     MarkGhosts,
     MovePoints,
+    Numbers,
     PutLeaf,
     SetDeleted,
     Several,
@@ -43,7 +44,9 @@ def make_step(state: State, plan: Plan, answers: AnyArray) -> Several:
     )
     steps: list[AnyOperation] = []
     if len(corrected):
-        steps.append(MovePoints(plan.scan, corrected, Coordinates(move(state, plan, answers))))
+        to = Coordinates(move(state, plan, answers))
+        sure = Numbers(plan.confidence[answers == Answer.CORRECT])
+        steps.append(MovePoints(plan.scan, corrected, to, sure))
     if len(deleted):
         steps.append(SetDeleted(plan.scan, deleted))
     if len(kept) + len(left) + len(corrected):

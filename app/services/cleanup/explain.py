@@ -9,13 +9,11 @@ import numpy as np
 
 from app.core.arrays import Bools, Floats
 from app.core.errors import WrongUse
-from app.core.ghosts import GhostImage, Reason, explain_points, lay_out
-from app.core.neighbours.steps import UnusableGrid
+from app.core.ghosts import GhostImage, Reason, explain_points
 from app.core.progress import QUIET, Progress
 from app.model.ghost_fields import judged_score, shape_of_beam
+from app.model.ghost_image import ghost_image_of
 from app.model.leaf import Leaf
-from app.model.neighbours import neighbours_of
-from app.model.project import Project
 from app.model.state import ScanState
 from app.services.cleanup.evidence import (
     DENSITY_METHOD,
@@ -80,15 +78,16 @@ class Explainer:
         ground, score = self._ground, float(self._score[row])
         ghost = bool(ground.called[row])
         head = _say_verdict(self._state, row, ghost, score)
-        if ground.image is None:
-            sentence = f"{head} {DENSITY_METHOD}"
-            return Explanation(ghost, score, None, sentence, DENSITY_METHOD)
+        method = DENSITY_METHOD if ground.image is None else GRID_METHOD
         if not np.isfinite(score):
-            return Explanation(ghost, score, None, head, GRID_METHOD)
+            return Explanation(ghost, score, None, head, method)
+        if ground.image is None:
+            return Explanation(ghost, score, None, f"{head} {method}", method)
         found = explain_points(
             ground.image,
             np.array([row]),
             ground.judged,
+            threshold=self._state.parameters.ghost_threshold,
             beam=shape_of_beam(self._state),
             light=ground.light,
             progress=progress,
@@ -113,46 +112,22 @@ def _prepare(
     state: ScanState, leaves: Sequence[Leaf], score: Floats, progress: Progress
 ) -> _Ground:
     called = (score >= state.parameters.ghost_threshold) & (state.marks >= 0) | (state.marks > 0)
-    scanner = state.scan.scanner("the reasons of ghosts")
-    grid = neighbours_of(state.scan, progress).grid
-    try:
-        image = None if grid is None else lay_out(state.scan.xyz, scanner, grid)
-    except UnusableGrid:
-        image = None
     return _Ground(
         LeafNames.gather(leaves, len(score)),
-        image,
+        ghost_image_of(state.scan, progress),
         light_for_words(state),
         called,
-        np.where(called, 1.0, judged_score(state, score)),
+        judged_score(state, score),
     )
 
 
 def _say_verdict(state: ScanState, row: int, ghost: bool, score: float) -> str:
     mark = int(state.marks[row])
     if not np.isfinite(score):
-        return "No score: the point has no range."
+        return "No score: the point has no range, or the beams lie too far apart."
     by = f"{score:.2f}"
     if mark < 0:
         return f"Kept by hand (score {by}):"
     if mark > 0:
         return f"Ghost by hand (score {by}):"
     return f"{'Ghost' if ghost else 'No ghost'} (score {by}):"
-
-
-def explain_ghost(project: Project, scan: str, point: int, progress: Progress = QUIET) -> str:
-    """Why a point is a ghost, or none: "between Leaf 12 (−14 mm) and a surface (+2.1 m), …".
-
-    Parameters
-    ----------
-    point : int
-        Number of the point in the scan.
-
-    Raises
-    ------
-    WrongUse, MissingScanner, Cancelled
-    """
-    score = project.field(scan, "ghost_score", None, progress.part(0.0, 0.8))
-    state = project.state.scan(scan)
-    explainer = Explainer(state, project.state.leaves_of(scan), score)
-    return explainer.explain(point, progress.part(0.8, 1.0)).sentence

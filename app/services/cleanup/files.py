@@ -3,131 +3,156 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from app.core.ghosts import BEAM, SURE
-from app.core.ghosts import WORDS as REASONS
+from app.core.arrays import AnyArray
+from app.core.errors import BadInput, WrongUse
+from app.core.ghosts import SURE
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
-from app.model.ghost_fields import ASSUMED
-from app.model.parameters import Beam
+from app.formats.session import SUFFIX
 from app.model.project import Project
-from app.services.beams import describe_beam, propose_beam
+from app.services.beams import propose_beam
 from app.services.cleaning import mark_ghosts
 from app.services.cleanup.answers import Answer, Uncertain
 from app.services.cleanup.apply import make_step
+from app.services.cleanup.areas import compare_areas
 from app.services.cleanup.plan import Plan, plan_cleanup
-from app.services.cleanup.statistics import Statistics, sum_up
+from app.services.cleanup.report import add_up, describe
+from app.services.cleanup.statistics import sum_up
 from app.services.export import export, gather, merge, refuse_unwritable
+from app.services.leaves import find_leaves, leaves_from_labels
 from app.services.opening import Opening, open_file, set_parameters
+from app.services.sessions import open_session
 
 Mode = Literal["mark", "delete", "correct", "auto"]
 MARKED_FIELDS = ("ghost_score", "ghost", "ghost_reason", "ghost_confidence")
-SUMMED = ("points", "ghosts", "corrected", "deleted", "kept", "left_marked", "open")
 
 
-def clean_file(
-    opening: Opening,
-    mode: Mode,
-    out: Path,
-    parameters: Mapping[str, Any] | None = None,
-    overwrite: bool = False,
-    progress: Progress = QUIET,
-    sure: float = SURE,
-    uncertain: Uncertain = "delete",
-) -> dict[str, Any]:
-    """Find ghosts in a file and write what is left of it.
+@dataclass(frozen=True, slots=True)
+class CleanRequest:
+    """What is to be done with the ghosts of a file.
 
-    Parameters
+    Attributes
     ----------
     mode : {'mark', 'delete', 'correct', 'auto'}
         Write all points and fields that say which are ghosts and why; without the ghosts; with
         those put back that can be, the others marked; or as `uncertain` says.
-    parameters : mapping
-        Attributes of `Parameters` that differ from the defaults.
     sure : float
         Confidence from which a ghost is corrected, 0 to 1.
-    uncertain : {'delete', 'mark'}
-        What becomes of the others in mode auto.
+    uncertain : {'delete', 'mark'} or None
+        What becomes of the others in mode auto; see `plan_cleanup`.
+    label_field : str or None
+        Field whose whole numbers from 0 on name the leaves.
+    find : bool
+        Find leaves by connectivity.
+    parameters : mapping
+        Attributes of `Parameters` that differ from those of the file or session.
+    """
+
+    mode: Mode
+    sure: float = SURE
+    uncertain: Uncertain | None = None
+    label_field: str | None = None
+    find: bool = False
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+
+def clean_file(
+    opening: Opening,
+    out: Path,
+    request: CleanRequest,
+    overwrite: bool = False,
+    progress: Progress = QUIET,
+) -> dict[str, Any]:
+    """Find ghosts in a scan file or a session and write what is left of it.
 
     Returns
     -------
     dict
         Counts over all scans of the file, and ``scans`` with all that is known of each.
+
+    Raises
+    ------
+    BadInput
+        Nothing can be corrected, and that was asked for.
+    WrongUse, MissingScanner, Cancelled
     """
     refuse_unwritable(out)
     refuse_target(out, overwrite, sources=[opening.path])
-    project, keys = open_file(opening, progress.part(0.0, 0.4))
+    project, keys = _open(opening, progress.part(0.0, 0.3))
     scans = []
     for key in keys:
-        _set(project, key, parameters or {})
-        what: Uncertain = uncertain if mode == "auto" else "mark"
-        plan = plan_cleanup(project, key, sure, what, progress.part(0.4, 0.9))
-        scans.append(_describe(project, plan, _carry_out(project, plan, mode)))
-    fields = MARKED_FIELDS if mode == "mark" else ()
-    clouds = [gather(project, key, fields) for key in keys]
+        _set(project, key, request.parameters)
+        _make_leaves(project, key, request, progress.part(0.3, 0.4))
+        scans.append(_clean(project, key, request, progress))
+    fields = MARKED_FIELDS if request.mode == "mark" else ()
+    moved = request.mode in ("correct", "auto")
+    clouds = [gather(project, key, fields, traces=moved) for key in keys]
     export(merge(clouds), out, overwrite, progress.part(0.9, 1.0))
-    return _total(mode, scans)
+    return {"mode": request.mode, **add_up(scans)}
+
+
+def _open(opening: Opening, progress: Progress) -> tuple[Project, list[str]]:
+    if opening.path.suffix.lower() != SUFFIX:
+        return open_file(opening, progress)
+    if opening != Opening(opening.path):
+        raise WrongUse(
+            "A session knows how its files are read; options of reading belong to scan files.",
+            "Leave --origin, --channel and the like out, or name the scan file.",
+        )
+    project, _ = open_session(opening.path, progress)
+    keys = [key for key, state in project.state.scans.items() if not state.closed]
+    if not keys:
+        raise BadInput(f"There is no open scan in {opening.path.name}.")
+    return project, keys
 
 
 def _set(project: Project, scan: str, parameters: Mapping[str, Any]) -> None:
     """Take what was asked for; the beam, if nobody said, from the scan itself."""
     given = {name: value for name, value in parameters.items() if value is not None}
-    if "beam" not in given:
-        given["beam"] = propose_beam(project.state.scan(scan).scan)
+    state = project.state.scan(scan)
+    if "beam" not in given and state.parameters.beam is None:
+        given["beam"] = propose_beam(state.scan)
     set_parameters(project, scan, **given)
 
 
-def _carry_out(project: Project, plan: Plan, mode: Mode) -> Statistics:
-    state = project.state.scan(plan.scan)
+def _make_leaves(project: Project, scan: str, request: CleanRequest, progress: Progress) -> None:
+    if request.label_field is not None:
+        leaves_from_labels(project, scan, request.label_field)
+    if request.find:
+        find_leaves(project, scan, progress)
+
+
+def _clean(
+    project: Project, scan: str, request: CleanRequest, progress: Progress
+) -> dict[str, Any]:
+    mode = request.mode
+    uncertain: Uncertain | None = request.uncertain if mode == "auto" else "mark"
+    plan = plan_cleanup(project, scan, request.sure, uncertain, progress.part(0.4, 0.7))
+    before = project.state.scan(scan)
+    if mode == "correct" and plan.reasons is None:
+        raise BadInput(
+            f"{before.scan.name} has no rows and columns that could be used, so nothing can be "
+            "corrected: what else a beam touched is told by the beams beside it.",
+            "Use --mode mark or --mode delete, or open the scan in a format that keeps them.",
+        )
+    answers = _answer(plan, before.marks, mode)
+    areas = compare_areas(project, plan, answers, progress.part(0.7, 0.9))
     if mode == "mark":
-        mark_ghosts(project, plan.scan)
-        answers = np.full(len(plan), Answer.LEAVE, np.int8)
+        mark_ghosts(project, scan)
     else:
-        answers = plan.answers(state.marks)
-        if mode == "delete":
-            answers[:] = Answer.DELETE
         project.do(make_step(project.state, plan, answers))
-    return sum_up(plan, answers, state.alive)
+    return describe(project, plan, sum_up(plan, answers, before.alive), areas)
 
 
-def _describe(project: Project, plan: Plan, found: Statistics) -> dict[str, Any]:
-    state = project.state.scan(plan.scan)
-    beam = state.parameters.beam
-    told = found.as_json()
-    for reason in told["reasons"].values():
-        reason.pop("open")
-    return {
-        "scan": state.scan.name,
-        "method": plan.method,
-        "beam": _say_beam(beam),
-        "threshold": plan.threshold,
-        "sure": plan.sure,
-        **told,
-    }
-
-
-def _say_beam(beam: Beam | None) -> str:
-    if beam is not None:
-        return describe_beam(beam)
-    return describe_beam(Beam(BEAM.radius, BEAM.half_divergence, ASSUMED))
-
-
-def _total(mode: Mode, scans: list[dict[str, Any]]) -> dict[str, Any]:
-    methods = list(dict.fromkeys(scan["method"] for scan in scans))
-    beams = list(dict.fromkeys(scan["beam"] for scan in scans))
-    moved = [scan["shift_median_mm"] for scan in scans if scan["shift_median_mm"] is not None]
-    return {
-        "mode": mode,
-        "score_from": "; ".join(methods),
-        "beam": "; ".join(beams),
-        "threshold": scans[0]["threshold"],
-        "sure": scans[0]["sure"],
-        **{name: sum(scan[name] for scan in scans) for name in SUMMED if name != "open"},
-        "shift_median_mm": moved[0] if len(scans) == 1 and moved else None,
-        "reason_numbers": {str(int(number)): word for number, word in REASONS.items()},
-        "scans": scans,
-    }
+def _answer(plan: Plan, marks: AnyArray, mode: Mode) -> AnyArray:
+    """What becomes of each ghost; what the user keeps is kept in every mode."""
+    if mode in ("auto", "correct"):
+        return plan.answers(marks)
+    same = Answer.LEAVE if mode == "mark" else Answer.DELETE
+    return np.where(marks[plan.ghosts] < 0, Answer.KEEP, same).astype(np.int8)

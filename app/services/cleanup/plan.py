@@ -8,11 +8,10 @@ import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.errors import WrongUse
-from app.core.ghosts import SURE, Reasons, explain_points, lay_out
-from app.core.neighbours.steps import ScanGrid, UnusableGrid
+from app.core.ghosts import SURE, Reasons, explain_points
 from app.core.progress import QUIET, Progress
 from app.model.ghost_fields import find_corrections, judged_score, shape_of_beam
-from app.model.neighbours import neighbours_of
+from app.model.ghost_image import ghost_image_of
 from app.model.project import Project
 from app.model.state import ScanState
 from app.services.cleanup.answers import Answer, Uncertain, is_answer
@@ -96,7 +95,7 @@ class Plan:
 
 
 def plan_cleanup(
-    project: Project, scan: str, sure: float = SURE, uncertain: Uncertain = "delete",
+    project: Project, scan: str, sure: float = SURE, uncertain: Uncertain | None = "delete",
     progress: Progress = QUIET,
 ) -> Plan:  # fmt: skip
     """Propose an answer for every ghost: correct where that is sure, else delete or leave.
@@ -108,8 +107,9 @@ def plan_cleanup(
     ----------
     sure : float
         Confidence from which a ghost is corrected, 0 to 1.
-    uncertain : {'delete', 'mark'}
-        What becomes of the others.
+    uncertain : {'delete', 'mark'} or None
+        What becomes of the others. None: deleted where the score comes from the scan grid,
+        marked where it is the weaker one.
 
     Raises
     ------
@@ -124,10 +124,11 @@ def plan_cleanup(
     ghosts = np.flatnonzero(called & state.alive)
     judged = judged_score(state, score)
     names = LeafNames.gather(project.state.leaves_of(scan), len(score))
-    grid = neighbours_of(state.scan, progress).grid
-    reasons, method = _explain(state, grid, ghosts, judged, progress.part(0.6, 0.8))
-    shift, confidence = find_corrections(state, grid, ghosts, judged, progress.part(0.8, 1.0))
+    reasons, method = _explain(state, ghosts, judged, progress.part(0.6, 0.8))
+    shift, confidence = find_corrections(state, ghosts, judged, progress.part(0.8, 1.0))
     sure_enough = np.isfinite(shift) & (confidence >= sure)
+    if uncertain is None:
+        uncertain = "mark" if reasons is None else "delete"
     other = Answer.DELETE if uncertain == "delete" else Answer.LEAVE
     return Plan(
         scan,
@@ -147,21 +148,23 @@ def plan_cleanup(
 
 
 def _explain(
-    state: ScanState, grid: ScanGrid | None, ghosts: Ints, judged: Floats, progress: Progress
+    state: ScanState, ghosts: Ints, judged: Floats, progress: Progress
 ) -> tuple[Reasons | None, str]:
-    scanner = state.scan.scanner("the reasons of ghosts")
-    try:
-        if grid is None:
-            raise UnusableGrid("the scan has no rows and columns")
-        image = lay_out(state.scan.xyz, scanner, grid)
-    except UnusableGrid:
+    image = ghost_image_of(state.scan, progress)
+    if image is None:
         return None, DENSITY_METHOD
-    # What counts as a ghost is to be told as one, whatever its score is.
+    # What is asked of a ghost is why it looks like one, also where the user keeps it.
     told = judged.copy()
     told[ghosts] = 1.0
-    light = light_for_words(state)
-    beam = shape_of_beam(state)
-    found = explain_points(image, ghosts, told, beam=beam, light=light, progress=progress)
+    found = explain_points(
+        image,
+        ghosts,
+        told,
+        threshold=state.parameters.ghost_threshold,
+        beam=shape_of_beam(state),
+        light=light_for_words(state),
+        progress=progress,
+    )
     return found, GRID_METHOD
 
 

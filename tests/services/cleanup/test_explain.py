@@ -7,10 +7,16 @@ from app.core.errors import WrongUse
 from app.core.ghosts import Reason, Reasons
 from app.model.operations import MarkGhosts
 from app.model.points import PointSet
-from app.services.cleanup import Explainer, explain_ghost
+from app.services.cleanup import Explainer
 from app.services.cleanup.evidence import LeafNames, say_length, say_reason
 
 KEY = "scan-00001"
+
+
+def explain_ghost(project, scan, point) -> str:
+    score = project.field(scan, "ghost_score")
+    leaves = project.state.leaves_of(scan)
+    return Explainer(project.state.scan(scan), leaves, score).explain(point).sentence
 
 
 def make_reasons(reason, offset, light=0.41, border=0.6, member=(0, 1), incidence=1.4):

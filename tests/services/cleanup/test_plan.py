@@ -9,8 +9,9 @@ from app.core.errors import WrongUse
 from app.core.ghosts import SURE, Reason
 from app.model.operations import MarkGhosts
 from app.model.points import PointSet
-from app.services.cleanup import Answer, plan_cleanup
+from app.services.cleanup import Answer, Explainer, plan_cleanup
 from app.services.cleanup.queue import list_batches, order_by_doubt
+from widgets.common.ghosts.counts import count_ghosts
 
 KEY = "scan-00001"
 
@@ -108,3 +109,32 @@ def test_without_rows_and_columns_the_score_says_that_it_is_weaker(make_scattere
     assert "weaker" in plan.explain(0)
     names = [batch.name for batch in list_batches(plan, order_by_doubt(plan))]
     assert names == [""]
+
+
+def test_what_is_uncertain_is_marked_where_the_score_is_weak(project, make_scattered) -> None:
+    assert plan_cleanup(project, KEY, uncertain=None).uncertain == "delete"
+    weak = plan_cleanup(make_scattered(), KEY, uncertain=None)
+    assert weak.uncertain == "mark"
+    assert (weak.proposal == Answer.LEAVE).all()
+
+
+def test_a_ghost_is_what_reaches_the_threshold_everywhere(project, plan) -> None:
+    """The score of a point itself as threshold: window, field, plan and reasons agree."""
+    score = project.field(KEY, "ghost_score")
+    edge = float(np.sort(plan.score)[len(plan) // 2])
+    project.set_parameters(KEY, ghost_threshold=edge)
+    wanted = np.flatnonzero(score >= edge)
+    state = project.state.scan(KEY)
+    np.testing.assert_array_equal(plan_cleanup(project, KEY).ghosts, wanted)
+    np.testing.assert_array_equal(np.flatnonzero(project.field(KEY, "ghost") == 1.0), wanted)
+    counts = count_ghosts(score, state.marks, state.alive)
+    assert counts.count(edge) == len(wanted)
+    explainer = Explainer(state, (), score)
+    at_edge = int(np.flatnonzero(score == edge)[0])
+    assert explainer.explain(at_edge).ghost
+    assert explainer.explain(at_edge).reason != Reason.ON_SURFACE
+    below = int(np.flatnonzero((score < edge) & (score > 0.5))[-1])
+    told = explainer.explain(below)
+    assert not told.ghost
+    assert told.reason == Reason.ON_SURFACE
+    assert told.sentence.startswith("No ghost (score ")

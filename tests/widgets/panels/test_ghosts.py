@@ -9,6 +9,8 @@ from PySide6.QtWidgets import QStyle, QStyleOptionSlider
 
 from app.model.operations import MarkGhosts
 from app.model.points import PointSet
+from app.model.scan import Pose, Scan
+from app.services.opening import add_scans
 from widgets.panels.ghosts import GhostsPanel
 
 
@@ -37,7 +39,7 @@ def test_counts_are_those_of_the_score(panel, opened, qtbot) -> None:
     threshold = opened.controller.scan.parameters.ghost_threshold
     assert panel.finder.threshold == threshold
     assert said_count(panel) == brute_count(opened, threshold) > 100
-    for value in (0.0, 0.31, 0.5, 0.99, 1.0):
+    for value in (0.01, 0.31, 0.5, 0.99, 1.0):
         panel.finder.show_threshold(value)
         assert said_count(panel) == brute_count(opened, value)
     assert (
@@ -45,6 +47,8 @@ def test_counts_are_those_of_the_score(panel, opened, qtbot) -> None:
         == panel.finder.counts.total
         == opened.controller.scan.shown
     )
+    panel.finder.show_threshold(0.0)
+    assert panel.finder.threshold == 0.01, "a threshold of 0 would call every point a ghost"
 
 
 def test_dragging_previews_and_releasing_commits(panel, opened, qtbot) -> None:
@@ -183,3 +187,23 @@ def test_three_steps_set_the_threshold_each_as_one_step(panel, opened, qtbot) ->
 
 def test_the_method_of_the_score_is_said(panel) -> None:
     assert "scan grid" in panel.finder.method.text()
+
+
+def test_without_rows_and_columns_nothing_is_corrected_and_marks_are_proposed(desk, qtbot) -> None:
+    chance = np.random.default_rng(2)
+    xyz = np.array([2.0, 0.0, 0.0]) + 0.05 * chance.random((3000, 3))
+    pose = Pose((0.0, 0.0, 0.0), known_by="given")
+    (key,) = add_scans(desk.controller.project, [Scan("loose", xyz, {}, (), pose)])
+    desk.controller.look(current=key)
+    panel = desk.show(GhostsPanel)
+    qtbot.waitUntil(lambda: "Compute" in panel.notice.button.text())
+    qtbot.mouseClick(panel.notice.button, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: panel.finder.counts is not None, timeout=60_000)
+    assert "weaker" in panel.finder.method.text()
+    assert not panel.finder.correct_button.isEnabled()
+    assert "without rows and columns" in panel.finder.correct_button.toolTip()
+    settings = panel.finder.settings
+    assert settings.uncertain == "mark"
+    settings.uncertain_box.setCurrentIndex(0)
+    panel.refresh()
+    assert settings.uncertain == "delete", "the user's choice stays"

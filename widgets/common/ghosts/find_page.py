@@ -39,6 +39,7 @@ class FindPage(QWidget):
         self._counts_for: Hashable = None
         self._drag = uuid4().hex
         self._colour_before = ""
+        self._on_grid = True
         self.plot = ScorePlot(self)
         self.settings = GhostSettings(self)
         self.summary = QLabel(self)
@@ -108,6 +109,13 @@ class FindPage(QWidget):
             return
         self.settings.beam.show_beam(state.parameters.beam, propose_beam(state.scan))
         self.method.setText(self.tr("Score from: {0}.").format(say_method(known)))
+        self._on_grid = say_method(known) == GRID_METHOD
+        self.settings.suggest("delete" if self._on_grid else "mark")
+        self.correct_button.setToolTip(
+            self.tr("Put ghosts back on the surface that fills most of their beam")
+            if self._on_grid
+            else self.tr("Nothing can be corrected without rows and columns; mark or delete")
+        )
         if not self.settings.slider.isSliderDown():
             self.show_threshold(state.parameters.ghost_threshold)
         mark = (Same(known), Same(state.marks), Same(state.deleted))
@@ -156,8 +164,9 @@ class FindPage(QWidget):
                 n=show_count(counts.marked), m=show_count(counts.kept)
             )
         self.summary.setText(text)
-        for button in (self.mark_button, self.delete_button, self.correct_button):
+        for button in (self.mark_button, self.delete_button):
             button.setEnabled(ghosts > 0)
+        self.correct_button.setEnabled(ghosts > 0 and self._on_grid)
         self.unmark_button.setEnabled(counts.marked + counts.kept > 0)
 
     def unmark(self) -> None:

@@ -14,9 +14,11 @@ from app.model.fields import Same, Values
 from app.model.project import Project
 from app.services.cleanup.answers import Answer, Uncertain, answer_ghosts
 from app.services.cleanup.apply import make_step
+from app.services.cleanup.areas import AreaChange, compare_areas
 from app.services.cleanup.plan import Plan, plan_cleanup
 from app.services.cleanup.queue import Batch, list_batches, order_by_doubt
 from app.services.cleanup.statistics import Statistics, sum_up
+from widgets.common.aside import copy_aside
 from widgets.common.numbers import show_count
 from widgets.controller import Controller
 
@@ -40,11 +42,14 @@ class Session(QObject):
         Another ghost is looked at.
     answered()
         The document holds other answers.
+    measured(tuple of AreaChange)
+        What the clean-up that was applied made of the areas of the leaves.
     """
 
     changed = Signal()
     moved = Signal()
     answered = Signal()
+    measured = Signal(object)
 
     def __init__(self, controller: Controller, parent: QObject) -> None:
         super().__init__(parent)
@@ -217,12 +222,25 @@ class Session(QObject):
         return sum_up(self.plan, self.answers(proposals), state.alive)
 
     def apply(self, proposals: bool) -> Statistics | None:
-        """Do what is answered, as one step; tell what was done."""
-        if self.plan is None:
+        """Do what is answered, as one step; tell what was done, and later of the areas."""
+        plan, answers, found = self.plan, self.answers(proposals), self.count(proposals)
+        if plan is None:
             return None
-        found = self.count(proposals)
-        step = make_step(self._controller.project.state, self.plan, self.answers(proposals))
-        return found if step.steps and self._controller.do(step) else None
+        before = copy_aside(self._controller.project, plan.scan)
+        step = make_step(before.state, plan, answers)
+        if not step.steps or not self._controller.do(step):
+            return None
+        self._measure(before, plan, answers)
+        return found
+
+    def _measure(self, before: Project, plan: Plan, answers: AnyArray) -> None:
+        if not plan.names.keys or plan.reasons is None:
+            return  # no leaves, or no rows and columns to mesh them on
+
+        def work(progress: Progress) -> tuple[AreaChange, ...]:
+            return compare_areas(before, plan, answers, progress)
+
+        self._controller.run(self.tr("Meshing leaves"), work, self.measured.emit)
 
     def ghost_and_scanner(self) -> tuple[Floats, Floats, float] | None:
         """Where the ghost is, where the scanner stood, and how far it is to the next surface."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from PySide6.QtCore import QItemSelectionModel, QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtWidgets import (
@@ -20,12 +22,19 @@ from PySide6.QtWidgets import (
 
 from app.model.points import EMPTY
 from app.services.cleanup.answers import Answer
+from app.services.cleanup.areas import AreaChange
 from app.services.cleanup.evidence import say_length
+from app.services.cleanup.statistics import Statistics
 from widgets.common.ghosts.answer_menu import AnswerMenu
 from widgets.common.ghosts.keys import SessionKeys
 from widgets.common.ghosts.queue_table import ANSWER, LEAF, SCORE, WHY, QueueTable
 from widgets.common.ghosts.session import Session
-from widgets.common.ghosts.tally import describe_leaves, describe_reasons, describe_short
+from widgets.common.ghosts.tally import (
+    describe_areas,
+    describe_leaves,
+    describe_reasons,
+    describe_short,
+)
 from widgets.common.numbers import show_count, show_number
 from widgets.controller import Controller
 
@@ -40,12 +49,9 @@ class SessionPage(QWidget):
     -------
     after_toggled(bool)
         Show the scan as it would be after the clean-up, or as it is.
-    leaves_asked()
-        Find leaves, so that ghosts can be answered a leaf at a time.
     """
 
     after_toggled = Signal(bool)
-    leaves_asked = Signal()
 
     def __init__(self, controller: Controller, parent: QWidget) -> None:
         super().__init__(parent)
@@ -78,6 +84,7 @@ class SessionPage(QWidget):
             self,
         )  # fmt: skip
         self._applied: object = None
+        self._found: Statistics | None = None
         self._later = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._arrange()
         self._explain()
@@ -119,10 +126,18 @@ class SessionPage(QWidget):
         if done is None:
             self.controller.said.emit(self.tr("There is nothing to do: no ghost is answered."))
             return
-        self._applied = self.controller.project.history.done[-1]
-        self.done.setText(self.tr("<b>Done:</b> {0}").format(describe_short(done)))
-        self.done.setToolTip(f"{describe_reasons(done)}{describe_leaves(done)}")
+        self._applied, self._found = self.controller.project.history.done[-1], done
+        self._tell_done(())
         self.done.show()
+
+    def _tell_done(self, areas: Sequence[AreaChange]) -> None:
+        """Say what was done; of areas as soon as they are measured."""
+        done = self._found
+        if done is None:
+            return
+        text = self.tr("<b>Done:</b> {0}").format(describe_short(done))
+        self.done.setText(text + describe_areas(areas))
+        self.done.setToolTip(f"{describe_reasons(done)}{describe_leaves(done, areas)}")
 
     # Putting together
 
@@ -218,6 +233,7 @@ class SessionPage(QWidget):
         session.changed.connect(self._show_queue)
         session.moved.connect(self._show_ghost)
         session.answered.connect(self._show_answers)
+        session.measured.connect(self._tell_done)
         self._later.timeout.connect(self._count)
         self.batch_box.activated.connect(self._choose_batch)
         for button, answer in (

@@ -21,6 +21,8 @@ from widgets.common.beam_form import BeamForm
 from widgets.common.numbers import NumberField, show_number
 
 STEPS = 100
+LEAST = 1.0 / STEPS
+"""A threshold of 0 would call all points ghosts."""
 
 
 class GhostSettings(QWidget):
@@ -49,9 +51,10 @@ class GhostSettings(QWidget):
         self.step_words = QLabel(self)
         self.more = QToolButton(self)
         self.slider = QSlider(Qt.Orientation.Horizontal, self)
-        self.field = NumberField(0.0, 1.0, 2, "", self)
+        self.field = NumberField(LEAST, 1.0, 2, "", self)
         self.sure_field = NumberField(0.0, 1.0, 2, "", self)
         self.uncertain_box = QComboBox(self)
+        self._chosen = False
         self.beam = BeamForm(self)
         self.box = QWidget(self)
         self._lay_out()
@@ -72,6 +75,12 @@ class GhostSettings(QWidget):
     def uncertain(self) -> Uncertain:
         """What becomes of ghosts that cannot be corrected."""
         return "delete" if self.uncertain_box.currentIndex() == 0 else "mark"
+
+    def suggest(self, uncertain: Uncertain) -> None:
+        """What becomes of ghosts that cannot be corrected, as long as the user has not chosen."""
+        if not self._chosen:
+            with QSignalBlocker(self.uncertain_box):
+                self.uncertain_box.setCurrentIndex(0 if uncertain == "delete" else 1)
 
     def show_threshold(self, threshold: float) -> None:
         """Show a threshold without a signal."""
@@ -97,7 +106,7 @@ class GhostSettings(QWidget):
         self.steps.setRange(0, len(SETTINGS) - 1)
         self.steps.setPageStep(1)
         self.steps.setTickPosition(QSlider.TickPosition.TicksBelow)
-        self.slider.setRange(0, STEPS)
+        self.slider.setRange(1, STEPS)
         self.slider.setPageStep(STEPS // 20)
         for field in (self.field, self.sure_field):
             field.setSingleStep(0.05)
@@ -144,10 +153,10 @@ class GhostSettings(QWidget):
         told = (
             (self.steps, self.tr("How strict: careful, normal or strict"),
              self.tr("Threshold of the score: careful 0.8, normal 0.5, strict 0.2")),
-            (self.slider, self.tr("Ghost threshold, 0 to 1"),
-             self.tr("Points with this score or more count as ghosts (0–1)")),
-            (self.field, self.tr("Ghost threshold, 0 to 1"),
-             self.tr("Points with this score or more count as ghosts (0–1)")),
+            (self.slider, self.tr("Ghost threshold, 0.01 to 1"),
+             self.tr("Points with this score or more count as ghosts (0.01–1)")),
+            (self.field, self.tr("Ghost threshold, 0.01 to 1"),
+             self.tr("Points with this score or more count as ghosts (0.01–1)")),
             (self.sure_field, self.tr("Confidence from which a ghost is corrected, 0 to 1"),
              self.tr("Probability that a corrected point lies right, from which it is put back on "
                      "a surface (0–1)")),
@@ -167,7 +176,7 @@ class GhostSettings(QWidget):
         self.slider.sliderReleased.connect(self._settle)
         self.field.valueChanged.connect(self._on_field)
         self.sure_field.valueChanged.connect(self.answers_changed)
-        self.uncertain_box.currentIndexChanged.connect(self.answers_changed)
+        self.uncertain_box.currentIndexChanged.connect(self._on_uncertain)
         self.more.toggled.connect(self._show_all)
 
     def _on_step(self, step: int) -> None:
@@ -191,6 +200,10 @@ class GhostSettings(QWidget):
 
     def _settle(self) -> None:
         self.threshold_set.emit(self.threshold)
+
+    def _on_uncertain(self, _: int) -> None:
+        self._chosen = True
+        self.answers_changed.emit()
 
     def _show_all(self, shown: bool) -> None:
         self.box.setVisible(shown)

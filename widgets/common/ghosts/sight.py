@@ -6,10 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.core.arrays import Floats
+from app.core.arrays import Bools, Floats
 from app.render.camera import Camera
 
-ASIDE, ABOVE = np.deg2rad(50.0), np.deg2rad(20.0)
+VIEWS = ((50, 20), (-50, 20), (50, -15), (-50, -15), (30, 15), (-30, 15), (12, 6), (-12, 6), (0, 0))
+"""Degrees to the right of the beam and above it, the best to tell ranges first; the last is the
+scanner's own view, in which its beam met nothing on the way."""
+VISIBLE = 0.12
+"""Half-width of the way to a ghost that should be free, as a share of what is seen around it."""
+LONGEST_WAY = 8.0
+"""From the viewer to a ghost, in the same shares: that of an angle of view of 30°."""
+TURNED = np.deg2rad(0.5)
 CLOSEST, FARTHEST = 0.03, 0.20
 """Metres: half of what is seen around a ghost."""
 PER_SHIFT, PER_RANGE = 2.5, 0.008
@@ -27,19 +34,71 @@ def reach_around(point: Floats, scanner: Floats, shift: float) -> float:
     return min(max(wanted, CLOSEST), FARTHEST)
 
 
-def look_across(camera: Camera, point: Floats, scanner: Floats) -> Camera:
-    """A camera that sees a point obliquely to its beam, which then runs across the picture."""
+def look_across(
+    camera: Camera, point: Floats, scanner: Floats, view: tuple[float, float] = VIEWS[0]
+) -> Camera:
+    """A camera that sees a point obliquely to its beam, which then runs across the picture.
+
+    `view` are degrees to the right of the beam and above it.
+    """
+    aside, above = np.deg2rad(view)
     beam = _unit(point - scanner)
     up = np.array([0.0, 0.0, 1.0]) if abs(beam[2]) < 0.95 else np.array([0.0, 1.0, 0.0])
     right = _unit(np.cross(beam, up))
     high = np.cross(right, beam)
-    level = np.cos(ASIDE) * beam + np.sin(ASIDE) * right
-    forward = np.cos(ABOVE) * level - np.sin(ABOVE) * high
+    level = np.cos(aside) * beam + np.sin(aside) * right
+    forward = np.cos(above) * level - np.sin(above) * high
     place = point - forward
     x, y, z = (float(value) for value in place)
     a, b, c = (float(value) for value in point)
     i, j, k = (float(value) for value in up)
     return replace(camera, position=(x, y, z), focal_point=(a, b, c), view_up=(i, j, k))
+
+
+def choose_view(
+    camera: Camera, xyz: Floats, alive: Bools, point: Floats, scanner: Floats, reach: float
+) -> Camera:
+    """Of the views across the beam the first from which nothing hides the point, else the freest.
+
+    Parameters
+    ----------
+    camera : Camera
+        As it is; what it does not share with the views stays.
+    xyz : (n, 3) metres
+    alive : (n,) bool
+        Points that are drawn.
+    point, scanner : (3,) metres
+    reach : float
+        Metres around the point that will be seen.
+    """
+    near = alive.copy()
+    for axis in range(3):
+        near &= np.abs(xyz[:, axis] - point[axis]) < LONGEST_WAY * reach
+    around = xyz[near] - point
+    views = [look_across(camera, point, scanner, view) for view in VIEWS]
+    hidden = [count_hiding(view, around, VISIBLE * reach) for view in views]
+    return views[int(np.argmin(hidden))]
+
+
+def count_hiding(camera: Camera, around: Floats, width: float) -> int:
+    """How many points, given from the focal point on, stand within `width` of the way to it.
+
+    Those beside the focal point, on both sides of it, hide nothing.
+    """
+    forward = camera.axes()[2]
+    depth = around @ forward
+    before = depth < -1.5 * width
+    off = np.linalg.norm(around[before] - depth[before, None] * forward, axis=1)
+    # The way narrows towards the viewer.
+    free = width * np.clip(1.0 + depth[before] / (LONGEST_WAY * width / VISIBLE), 0.0, 1.0)
+    return int(np.count_nonzero(off < free))
+
+
+def is_turned(camera: Camera, since: Camera) -> bool:
+    """Whether somebody looks from another direction since then."""
+    now, then = (np.stack(each.axes()) for each in (camera, since))
+    cosines = np.einsum("ij,ij->i", now, then)
+    return bool((cosines < np.cos(TURNED)).any())
 
 
 def corners_around(point: Floats, reach: float) -> Floats:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import QCoreApplication
 
+from app.services.cleanup.areas import AreaChange
 from app.services.cleanup.statistics import Statistics
-from widgets.common.numbers import show_count, show_number
+from widgets.common.numbers import UNKNOWN, show_count, show_number
 
 MOST_LEAVES = 20
 
@@ -43,23 +46,38 @@ def describe_reasons(found: Statistics) -> str:
     return _table(head, rows)
 
 
-def describe_leaves(found: Statistics) -> str:
-    """A table of leaves, points before and after, as rich text; empty without leaves."""
-    head = (_tr("Leaf"), _tr("points before"), _tr("after"), _tr("corrected"), _tr("deleted"))
+def describe_areas(areas: Sequence[AreaChange]) -> str:
+    """What became of the area of all leaves that have a mesh before and after; else empty."""
+    known = [(a.before, a.after) for a in areas if a.before is not None and a.after is not None]
+    if not known:
+        return ""
+    before, after = (sum(side) for side in zip(*known, strict=True))
+    text = _tr(" Area of {0} leaves: {1} cm² before, {2} cm² after.")
+    return text.format(show_count(len(known)), show_number(before, 1), show_number(after, 1))
+
+
+def describe_leaves(found: Statistics, areas: Sequence[AreaChange] = ()) -> str:
+    """A table of leaves, points and areas before and after, as rich text; empty without leaves."""
+    head = [_tr("Leaf"), _tr("points before"), _tr("after"), _tr("corrected"), _tr("deleted")]
     rows = [
-        (
+        [
             leaf.name,
             *(show_count(n) for n in (leaf.before, leaf.after, leaf.corrected, leaf.deleted)),
-        )
+        ]
         for leaf in found.leaves[:MOST_LEAVES]
     ]
+    if areas:
+        head += [_tr("cm² before"), _tr("after")]
+        for row, area in zip(rows, areas, strict=False):
+            sides = (area.before, area.after)
+            row += [UNKNOWN if side is None else show_number(side, 2) for side in sides]
     more = len(found.leaves) - len(rows)
     if more > 0:
-        rows.append((_tr("and {0} more").format(show_count(more)), "", "", "", ""))
+        rows.append([_tr("and {0} more").format(show_count(more))])
     return _table(head, rows) if rows else ""
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = ["".join(f"<th align='left'>{cell}&nbsp;&nbsp;</th>" for cell in head)]
     lines += ["".join(f"<td>{cell}&nbsp;&nbsp;</td>" for cell in row) for row in rows]
     return "<table>" + "".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
