@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -11,7 +12,6 @@ from cyclopts import Parameter
 from app.cli.commands import Json, Overwrite
 from app.cli.printing import print_json, say
 from app.core.errors import WrongUse
-from app.core.units import MM_PER_M
 
 if TYPE_CHECKING:
     from app.services.planning import Plan, PlanOrder, Tool
@@ -30,7 +30,7 @@ class Scanner:
     "Own beam: its diameter where it leaves the scanner, mm."
     half_divergence: float | None = None
     "Own beam: HALF of the full divergence, degrees."
-    ranging: Literal["phase-shift", "pulsed"] = "phase-shift"
+    ranging: Literal["phase-shift", "pulsed"] | None = None
     "Own beam: how it measures ranges (default phase-shift)."
     pulse_length: float | None = None
     "Own beam, pulsed: length of the pulse as range, c·τ/2, metres."
@@ -54,10 +54,10 @@ NOBODY, USUAL = Scanner(), Usable()
 
 def plan(
     *,
-    leaf: str,
+    leaf: Annotated[str, Parameter(allow_leading_hyphen=True)],
     distance: Annotated[str, Parameter(name="--range", allow_leading_hyphen=True)] = "2:20",
     omega: Annotated[str, Parameter(allow_leading_hyphen=True)] = "0:85",
-    behind: str = "1",
+    behind: Annotated[str, Parameter(allow_leading_hyphen=True)] = "1",
     contrast: float = 1.0,
     scanner: Scanner = NOBODY,
     usable: Usable = USUAL,
@@ -71,7 +71,7 @@ def plan(
     Parameters
     ----------
     leaf
-        Length and width of the leaf, mm: 80x45.
+        Length and width of the leaf, mm: 80x45. The longer side is the length in either order.
     distance
         Ranges, metres: LOW:HIGH, LOW:HIGH:STEP or one (default 2:20).
     omega
@@ -125,10 +125,11 @@ def _find_tool(scanner: Scanner) -> Tool:
 
     numbers = (scanner.exit_diameter, scanner.half_divergence)
     if scanner.instrument is not None:
-        if numbers != (None, None) or scanner.pulse_length is not None:
+        own = (*numbers, scanner.ranging, scanner.pulse_length)
+        if any(each is not None for each in own):
             raise WrongUse(
-                "An instrument brings its own beam and ranging: give --instrument, or "
-                "--exit-diameter and --half-divergence, not both."
+                "An instrument brings its own beam and ranging: leave --exit-diameter, "
+                "--half-divergence, --ranging and --pulse-length out, or --instrument."
             )
         return tool_of(scanner.instrument, scanner.step)
     if scanner.exit_diameter is None or scanner.half_divergence is None or scanner.step is None:
@@ -149,9 +150,14 @@ def _parse_behind(text: str) -> float | None:
     if text.strip().lower() == "none":
         return None
     try:
-        return float(text)
+        metres = float(text)
     except ValueError:
-        raise WrongUse(f"--behind takes metres or none, not {text!r}.") from None
+        metres = math.nan
+    if not 0.0 < metres < math.inf:
+        raise WrongUse(
+            f"--behind takes metres above 0, or none where nothing stands, not {text!r}."
+        )
+    return metres
 
 
 def _refuse(out: Path | None, figure: Path | None, overwrite: bool) -> None:
@@ -180,6 +186,7 @@ def _write(found: Plan, out: Path | None, figure: Path | None, overwrite: bool) 
 def _print(found: Plan, written: list[Path], as_json: bool) -> None:
     from app.services.plan_files import as_dict
     from app.services.plan_texts import (
+        describe_leaf,
         describe_tool_line,
         list_assumptions,
         tell_limits,
@@ -189,8 +196,7 @@ def _print(found: Plan, written: list[Path], as_json: bool) -> None:
     if as_json:
         print_json(as_dict(found))
         return
-    length, width = found.order.length * MM_PER_M, found.order.width * MM_PER_M
-    say(f"{describe_tool_line(found)}; leaf {length:g} × {width:g} mm")
+    say(f"{describe_tool_line(found)}; {describe_leaf(found)}")
     for row in found.rows:
         say(tell_range(row))
     say(tell_limits(found))

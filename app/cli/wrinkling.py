@@ -36,7 +36,9 @@ class CurveOf:
     curve: Path | None = None
     "Curve from a goniometer table: CSV with columns angle (degrees) and value."
     species: str | None = None
-    "Curve published for a species, e.g. maple; without both, each leaf's own."
+    "Curve published for a species, e.g. maple; without both, one through all leaves of the scan."
+    own: Annotated[bool, Parameter(negative="")] = False
+    "A curve of each leaf's own: only leaves that bend by 10° or more have one."
     reflectance: float | None = None
     "With --species: its reflectance at ω = 0; without it, the median of the scan's leaves."
     scatter: float | None = None
@@ -44,7 +46,7 @@ class CurveOf:
     model: str | None = None
     "Model of the curve (default lambert-beckmann, polynomial-4 for DN)."
     offset: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
-    "fit: each leaf's mean is its plane's; or DN added (logarithmic scale), or a factor (linear)."
+    "With --curve or --species: fit (each leaf's mean is its plane's), DN added, or a factor."
     wavelength: str | None = None
     "Name of the channel to read (default the first)."
 
@@ -86,6 +88,9 @@ def wrinkles(
 ) -> None:
     """Wrinkles of leaves: angles from intensity against each leaf's plane, a row per leaf.
 
+    With nothing but the scan, one curve is fitted to all its leaves, each leaf's mean is set to
+    its plane, and differences inside the leaf (Δω) are claimed. --curve and --species claim more.
+
     Parameters
     ----------
     scan
@@ -124,10 +129,16 @@ def _request(curve: CurveOf, validity: Validity, beam: Footprint) -> WrinkleRequ
 
 
 def _source(curve: CurveOf) -> Source:
-    from app.services.wrinkles.request import SCATTER, OwnCurve, SpeciesSource, TableCurve
+    from app.services.wrinkles.request import (
+        SCATTER,
+        OwnCurve,
+        ScanCurve,
+        SpeciesSource,
+        TableCurve,
+    )
 
-    if curve.curve is not None and curve.species is not None:
-        raise WrongUse("The curve comes from --curve or from --species, not from both.")
+    if (curve.curve is not None) + (curve.species is not None) + curve.own > 1:
+        raise WrongUse("The curve comes from one of --curve, --species and --own.")
     if curve.species is None and (curve.reflectance is not None or curve.scatter is not None):
         raise WrongUse("--reflectance and --scatter belong to --species.")
     if curve.curve is not None:
@@ -137,7 +148,7 @@ def _source(curve: CurveOf) -> Source:
             raise WrongUse("Curves of species are of Lambert–Beckmann; leave --model out.")
         scatter = SCATTER if curve.scatter is None else curve.scatter
         return SpeciesSource(curve.species, curve.reflectance, scatter)
-    return OwnCurve(curve.model)
+    return OwnCurve(curve.model) if curve.own else ScanCurve(curve.model)
 
 
 def _offset(text: str | None) -> Literal["fit"] | float | None:

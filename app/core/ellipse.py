@@ -48,14 +48,3 @@ def parallel_area(one: npt.ArrayLike, other: npt.ArrayLike, within: npt.ArrayLik
         quarter = (sector - t * (2.0 * length - turning) + t * t * (np.pi / 2 - start)) / 2.0
     area: Floats = np.where(t >= b, 0.0, np.maximum(4.0 * quarter, 0.0))
     return np.where((t >= b) & (t <= 0.0), 4.0 * quarter, area)
-
-
-def perimeter(one: npt.ArrayLike, other: npt.ArrayLike) -> Floats:
-    """Length of the border of an ellipse with these half axes, metres."""
-    from scipy.special import ellipe
-
-    first, second = np.asarray(one, np.float64), np.asarray(other, np.float64)
-    a, b = np.maximum(first, second), np.minimum(first, second)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        length: Floats = 4.0 * a * ellipe(np.where(a > 0.0, 1.0 - (b / a) ** 2, 0.0))
-    return length

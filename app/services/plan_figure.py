@@ -14,7 +14,7 @@ from app.core.units import to_mm, to_radians
 from app.formats.atomic import atomic_path, refuse_target
 from app.services.bench.picture import INK
 from app.services.lab.figure import COLOURS, DPI, Kind, figure_kind
-from app.services.plan_texts import describe_tool_line, list_assumptions, tell_limits
+from app.services.plan_texts import describe_leaf, describe_tool_line, list_assumptions, tell_limits
 from app.services.planning import SHARES, Plan
 
 MOST_CURVES = 6
@@ -70,8 +70,7 @@ def build_figure(plan: Plan) -> Any:
     _draw_steepest(right, plan)
     for axes in (left, right):
         _style(axes)
-    length, width = to_mm(plan.order.length), to_mm(plan.order.width)
-    title = f"{describe_tool_line(plan)}; leaf {length:.4g} × {width:.4g} mm"
+    title = f"{describe_tool_line(plan)}; {describe_leaf(plan)}"
     figure.suptitle(title, fontsize=9, color=INK, x=0.01, ha="left")
     note = f"{tell_limits(plan)}\n{list_assumptions(plan)[0]}"
     figure.supxlabel(note, fontsize=7, color=INK, x=0.01, ha="left")

@@ -21,7 +21,9 @@ WHY = {
 
 
 def parse_leaf(text: str) -> tuple[float, float]:
-    """Length and width of a leaf in metres from ``80x45`` (mm).
+    """Length and width of a leaf in metres from ``80x45`` (mm), in either order.
+
+    The longer side is the length: a plan takes a leaf turned about it, the worst case.
 
     Raises
     ------
@@ -34,7 +36,7 @@ def parse_leaf(text: str) -> tuple[float, float]:
         sides = []
     if len(sides) != 2 or not all(0.0 < side <= LARGEST_LEAF_MM for side in sides):
         raise WrongUse(
-            f"A leaf is given as LENGTHxWIDTH in mm, e.g. 80x45, not {text!r}.",
+            f"A leaf is given by its two sides in mm, e.g. 80x45, not {text!r}.",
             f"Both lie above 0, up to {LARGEST_LEAF_MM:g} mm.",
         )
     return max(sides) / MM_PER_M, min(sides) / MM_PER_M
@@ -124,10 +126,18 @@ def tell_limits(plan: Plan) -> str:
 def describe_tool_line(plan: Plan) -> str:
     """The instrument in a line."""
     facts = beam_facts(plan.order)
+    title, ranging = str(facts["instrument"]), str(facts["ranging"])
+    said = "" if ranging in title else f", {ranging}"
     return (
-        f"{facts['instrument']}: {facts['exit_diameter_mm']:.4g} mm at exit, half divergence "
-        f"{facts['half_divergence_deg']:.4g}°, step {facts['step_deg']:.4g}°, {facts['ranging']}"
+        f"{title}: {facts['exit_diameter_mm']:.4g} mm at exit, half divergence "
+        f"{facts['half_divergence_deg']:.4g}°, step {facts['step_deg']:.4g}°{said}"
     )
+
+
+def describe_leaf(plan: Plan) -> str:
+    """The leaf in a few words, saying which side is which."""
+    long, wide = sorted((plan.order.length, plan.order.width), reverse=True)
+    return f"leaf {long * MM_PER_M:.4g} mm long and {wide * MM_PER_M:.4g} mm wide"
 
 
 def list_assumptions(plan: Plan) -> Sequence[str]:

@@ -31,6 +31,8 @@ from app.simulate.virtual_scan import find_instrument
 
 MOST_RANGES, MOST_ANGLES = 200, 361
 USUAL = Limits()
+LARGEST_FOOTPRINT, MOST_FULL_HITS = 5.0, 1e6
+"""Limits beyond these limit nothing: they are slips."""
 STEEPEST = 89.0
 """Degrees: beyond, an angle is not worth a plan."""
 SHARES = (0.25, 0.5, 1.0)
@@ -229,7 +231,31 @@ def check_order(order: PlanOrder) -> None:
                 "runs along the leaf and has no footprint on it.",
                 f"Give angles from 0 to {STEEPEST:g}.",
             )
+    if order.behind is not None and not 0.0 < order.behind < math.inf:
+        raise WrongUse(
+            f"What stands behind a leaf is farther than 0 m and not endlessly far, not at "
+            f"{order.behind:g} m.", "Say that nothing stands there where it is the sky.",
+        )  # fmt: skip
+    _check_limits(order.limits)
     _check_width(order)
+
+
+def _check_limits(limits: Limits) -> None:
+    if not limits.footprint <= LARGEST_FOOTPRINT:
+        raise WrongUse(
+            f"The largest footprint lies above 0 and up to {100 * LARGEST_FOOTPRINT:g} % of the "
+            f"leaf's width, not at {100 * limits.footprint:g} %."
+        )
+    if not limits.full_hits <= MOST_FULL_HITS:
+        raise WrongUse(
+            f"The fewest full hits lie from 0 to {MOST_FULL_HITS:,.0f}, not at "
+            f"{limits.full_hits:g}."
+        )
+    if not limits.ghosts <= 1.0:
+        raise WrongUse(
+            "The largest share of ghosts lies above 0 and up to 100 %, not at "
+            f"{100 * limits.ghosts:g} %."
+        )
 
 
 def _check_width(order: PlanOrder) -> None:

@@ -42,7 +42,18 @@ def test_json_and_an_own_beam(capsys: pytest.CaptureFixture[str]) -> None:
         ([*LEAF, "--range", "0.1:3"], "measures from 0.6"),
         ([*LEAF[:-1], "80x2"], "no beam falls wholly"),
         ([*LEAF, "--behind", "wall"], "--behind takes"),
-        ([*LEAF, "--exit-diameter", "3"], "not both"),
+        ([*LEAF, "--behind", "inf"], "--behind takes"),
+        ([*LEAF, "--behind", "-1"], "--behind takes"),
+        ([*LEAF, "--behind", "0"], "--behind takes"),
+        ([*LEAF, "--most-footprint", "1e9"], "up to 500 %"),
+        ([*LEAF, "--most-footprint", "nan"], "above 0"),
+        ([*LEAF, "--most-ghosts", "400"], "up to 100 %"),
+        ([*LEAF, "--full-hits", "inf"], "fewest full hits"),
+        ([*LEAF[:-1], "-80x45"], "two sides"),
+        ([*LEAF, "--exit-diameter", "3"], "brings its own"),
+        ([*LEAF, "--ranging", "pulsed"], "brings its own"),
+        ([*LEAF, "--ranging", "phase-shift"], "brings its own"),
+        ([*LEAF, "--pulse-length", "0.2"], "brings its own"),
         ([*LEAF, "--out", "plan.txt"], "Endings"),
         ([*LEAF, "--figure", "plan.txt"], "Endings"),
         (["plan", "--leaf", "80x45"], "needs --instrument"),
@@ -62,3 +73,18 @@ def test_a_table_and_a_figure_are_two_files(tmp_path: Path) -> None:
     same = tmp_path / "plan.csv"
     assert run([*LEAF, "--out", str(same), "--figure", str(same.with_suffix(".png"))]) == 0
     assert run([*LEAF, "--out", str(same), "--overwrite"]) == 0
+
+
+def test_either_order_of_the_sides_says_which_is_which(capsys: pytest.CaptureFixture[str]) -> None:
+    told = []
+    for leaf in ("80x45", "45x80", "45X80", "80×45"):
+        assert run([*LEAF[:-1], leaf, "--range", "3"]) == 0
+        told.append(capsys.readouterr().out)
+    assert len(set(told)) == 1
+    assert "leaf 80 mm long and 45 mm wide" in told[0]
+
+
+@pytest.mark.parametrize("name", ["ls880", "two_colour"])
+def test_ranging_is_said_once(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", "--instrument", name, "--leaf", "80x45", "--range", "3"]) == 0
+    assert capsys.readouterr().out.splitlines()[0].count("phase shift") == 1

@@ -51,9 +51,32 @@ def test_what_it_says(leaves_file, gonio, tmp_path, capsys):
     assert "6 leaves" in told
 
 
+def test_with_nothing_but_the_scan(leaves_file, tmp_path, capsys):
+    tables = []
+    for number, more in enumerate(([], ["--own"], ["--species", "maple", "--offset", "fit"])):
+        out = tmp_path / f"{number}.csv"
+        words = ["wrinkles", str(leaves_file), "--out", str(out), "--leaves", "truth_leaf"]
+        assert run([*words, "--wavelength", "reflectance_1545", *more], debug=True) == 0
+        with out.open(encoding="utf-8") as file:
+            tables.append(list(csv.DictReader(file)))
+    headers = {tuple(table[0]) for table in tables}
+    assert len(headers) == 1, "the columns are the same whatever is known"
+    default, own, _ = tables
+    assert {row["case"] for row in default} == {"levelled"}
+    assert sum(bool(row["wrinkle_index_deg"]) for row in default) >= 2
+    assert all("leaves of this scan" in row["curve"] for row in default)
+    for row in default:
+        assert bool(row["wrinkle_index_deg"]) != bool(row["refusal"])
+    refused = [row["refusal"] for row in own if row["refusal"]]
+    assert any("leave --own out" in refusal for refusal in refused), "flat leaves"
+
+
 @pytest.mark.parametrize(
     ("more", "code"),
     [
+        (["--own", "--species", "maple"], 2),
+        (["--offset", "1.2"], 2),
+        (["--own", "--offset", "1.2"], 2),
         (["--species", "oak"], 2),
         (["--species", "maple", "--curve", "x.csv"], 2),
         (["--species", "maple", "--model", "lambert"], 2),

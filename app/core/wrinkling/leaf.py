@@ -21,6 +21,8 @@ from app.core.wrinkling.offset import Offset, Scale, no_offset
 from app.core.wrinkling.shape import Shape, name_shape
 from app.core.wrinkling.validity import USUAL, Limits, PointAngles, invert_points
 
+LEAST_SOLID = 10
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeafPoints:
@@ -38,6 +40,8 @@ class LeafPoints:
         Points that the beam hits wholly; whose channel is at its end. None: not known.
     cells, lines
         Rows and columns, see `means.cut_grid`; None without a grid.
+    ghosts : (k,) bools or None
+        Points on no surface, known as such or marked: they are never valid, and no mean holds one.
     """
 
     intensity: Floats
@@ -48,6 +52,23 @@ class LeafPoints:
     saturated: Bools | None = None
     cells: Cells | None = None
     lines: Lines | None = None
+    ghosts: Bools | None = None
+
+    @property
+    def solid(self) -> Floats:
+        """Places of the points that are no ghosts, (m, 3) metres."""
+        return self.xyz if self.ghosts is None else self.xyz[~self.ghosts]
+
+    @property
+    def usable(self) -> Bools:
+        """Points whose intensity is that of the leaf and nothing else."""
+        found: Bools = np.isfinite(self.intensity)
+        if self.full is not None:
+            found = found & self.full
+        for bad in (self.saturated, self.ghosts):
+            if bad is not None:
+                found = found & ~bad
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +78,9 @@ class Choices:
     Attributes
     ----------
     means : bool
-        Average over the footprint before inverting.
+        Average over the footprint before inverting: over full hits that are neither saturated
+        nor ghosts. A point that the beam hits in part is then valid by its neighbours' mean; a
+        ghost is not, whatever its neighbours are.
     noise : float or None
         Of one intensity: a share of it on a linear scale, DN on a logarithmic one. None is
         measured on each leaf.
@@ -133,8 +156,14 @@ def judge_leaf(
     """
     choices = choices or Choices()
     curve = calibration.curve
-    plane = leaf_plane(points.xyz, points.scanner, choices.gate)
-    usable = _find_usable(points)
+    solid = len(points.solid)
+    if solid < LEAST_SOLID < len(points.xyz):
+        raise BadInput(
+            f"Only {solid} of {len(points.xyz)} points of the leaf are no ghosts.",
+            "Keep those that are none under Ghosts, or scan the leaf from nearer.",
+        )
+    plane = leaf_plane(points.solid, points.scanner, choices.gate)
+    usable = points.usable
     noise = _find_noise(points, usable, calibration, choices)
     values, count = _take_means(points, usable, choices)
     offset = calibration.offset or no_offset(curve.scale)
@@ -145,6 +174,7 @@ def judge_leaf(
         values, noise_of_means(noise, values, count, curve.scale), curve, offset,
         calibration.scatter, choices.limits, points.saturated,
         None if points.full is None else ~points.full & (count == 0 if choices.means else True),
+        points.ghosts,
     )  # fmt: skip
     delta = delta_omega(angles.omega, plane.incidence)
     sigma = np.hypot(angles.sigma, plane.sigma if np.isfinite(plane.sigma) else 0.0)
@@ -158,15 +188,6 @@ def judge_leaf(
         "too few points" if spread is None else name_shape(spread), index, refusal,
         _shift_of_mean(values[usable], calibration, offset, plane),
     )  # fmt: skip
-
-
-def _find_usable(points: LeafPoints) -> Bools:
-    usable: Bools = np.isfinite(points.intensity)
-    if points.full is not None:
-        usable = usable & points.full
-    if points.saturated is not None:
-        usable = usable & ~points.saturated
-    return usable
 
 
 def _find_noise(
@@ -187,7 +208,7 @@ def _find_noise(
 def pool_noise(leaves: Sequence[LeafPoints], scale: Scale) -> float | None:
     """Noise of a channel, the median over leaves; None where no leaf can tell."""
     found = [
-        measure_noise(leaf.intensity, leaf.xyz, leaf.scanner, scale, _find_usable(leaf), leaf.cells)
+        measure_noise(leaf.intensity, leaf.xyz, leaf.scanner, scale, leaf.usable, leaf.cells)
         for leaf in leaves
     ]
     known = [noise for noise in found if np.isfinite(noise)]

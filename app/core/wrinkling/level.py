@@ -51,10 +51,12 @@ def level_leaf(
         known = known[known > 0.0]
     if len(known) < LEAST:
         raise BadInput(
-            f"An offset needs {LEAST} points with an intensity; the leaf has {len(known)}."
+            f"Only {len(known)} points of the leaf are hit wholly by the beam, and {LEAST} are "
+            "needed.",
+            "Scan it from nearer, or with a finer step.",
         )
     low, high = curve.monotone
-    _check_plane(omega_plane, min(high, steepest), low)
+    _check_plane(omega_plane, low, high, steepest)
     logs = np.quantile(_to_log(known, curve), np.linspace(0.0, 1.0, QUANTILES))
     angle = np.linspace(low, high, TABLE)
     value = curve.evaluate(angle)
@@ -68,14 +70,21 @@ def level_leaf(
     return Offset("factor", float(np.exp(shift)), float(np.exp(shift)) * sigma)
 
 
-def _check_plane(omega: float, high: float, low: float) -> None:
+def _check_plane(omega: float, low: float, high: float, steepest: float) -> None:
     if not np.isfinite(omega):
         raise BadInput("The leaf has no plane that an offset could be found from.")
+    there = f"The leaf's plane stands at {np.rad2deg(omega):.1f}°"
+    if not omega < steepest:
+        raise BadInput(
+            f"{there}: beyond {np.rad2deg(steepest):g}°, the steepest valid angle, intensity says "
+            "too little of the angle.",
+            "Scan it from where it faces the scanner more.",
+        )
     if not low < omega < high:
         raise BadInput(
-            f"The leaf's plane is at {np.rad2deg(omega):.1f}°: an offset can be found between "
-            f"{np.rad2deg(low):.1f}° and {np.rad2deg(high):.1f}° only.",
-            "Choose a leaf that faces the scanner more, or a known offset.",
+            f"{there}, and the curve can be read from {np.rad2deg(low):.1f}° to "
+            f"{np.rad2deg(high):.1f}° only.",
+            "Take a curve that reaches there (--curve or --species).",
         )
 
 

@@ -1,7 +1,8 @@
 """Means of a leaf's intensity over the beam's own footprint, and the noise they rest on.
 
 Beams lie closer than they are wide, so that neighbours see the same surface: their mean has less
-noise, and no less detail. Only points of the same leaf that the beam hits wholly are averaged.
+noise, and no less detail. Only points of the same leaf that the beam hits wholly, and no ghosts,
+are averaged.
 """
 
 from __future__ import annotations

@@ -81,14 +81,6 @@ def find_factor(shift: float, per_decade: float) -> float:
     return float(10.0 ** (shift / per_decade))
 
 
-def find_shift(factor: float, per_decade: float) -> float:
-    """The shift, DN or dB, that a logarithmic instrument makes of a factor."""
-    _check_decade(per_decade)
-    if not 0.0 < factor < np.inf:
-        raise WrongUse(f"A factor of reflectance is a number above 0, not {factor:g}.")
-    return float(per_decade * np.log10(factor))
-
-
 def scatter_of(relative: float, scale: Scale, per_decade: float | None) -> Offset:
     """Reflectance that scatters from leaf to leaf by a share of itself, as an offset.
 

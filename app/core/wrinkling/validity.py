@@ -18,6 +18,7 @@ PARTS = ("noise", "curve", "reflectance", "offset")
 """What the error of an angle is made of."""
 LARGEST_SIGMA = float(np.deg2rad(15.0))
 WORDS: Mapping[Doubt, str] = {
+    Doubt.GHOST: "ghosts",
     Doubt.SATURATED: "saturated",
     Doubt.PARTIAL: "beam only in part on the leaf",
     Doubt.MISSING: "no intensity",
@@ -99,6 +100,7 @@ def invert_points(
     limits: Limits = USUAL,
     saturated: Bools | None = None,
     partial: Bools | None = None,
+    ghost: Bools | None = None,
 ) -> PointAngles:
     """Angle of each point from its intensity.
 
@@ -117,8 +119,8 @@ def invert_points(
     scatter : Offset or None
         Reflectance of a leaf about the curve's; see `offset.scatter_of`.
     limits : Limits
-    saturated, partial : (n,) bools or None
-        Points whose channel is at its end; that the beam hits in part.
+    saturated, partial, ghost : (n,) bools or None
+        Points whose channel is at its end; that the beam hits in part; that are on no surface.
 
     Raises
     ------
@@ -140,7 +142,10 @@ def invert_points(
     total = np.sqrt(sum(error**2 for error in errors.values()))
     low, high = _find_interval(read, total, curve)
     doubt = _judge(read, omega, sigma, curve, limits)
-    doubt = doubt | _flag(saturated, Doubt.SATURATED, given) | _flag(partial, Doubt.PARTIAL, given)
+    for mask, flag in (
+        (saturated, Doubt.SATURATED), (partial, Doubt.PARTIAL), (ghost, Doubt.GHOST)
+    ):  # fmt: skip
+        doubt = doubt | _flag(mask, flag, given)
     return PointAngles(omega, sigma, parts, low, high, doubt.astype(np.uint8))
 
 

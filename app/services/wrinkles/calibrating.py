@@ -23,9 +23,11 @@ from app.model.project import Project
 from app.model.scan import Channel
 from app.services.wrinkles.gather import Gathered
 from app.services.wrinkles.goniometer import USUAL_MODEL, read_goniometer
+from app.services.wrinkles.pooling import pool_curve
 from app.services.wrinkles.request import (
     CurveInUse,
     OwnCurve,
+    ScanCurve,
     SpeciesSource,
     TableCurve,
     WrinkleRequest,
@@ -42,7 +44,7 @@ NOISE_SPAN = 3.29
 """5 to 95 % of a normal distribution, in its σ."""
 LEAST_INSIDE = 0.9
 """Share of a leaf's angles at which its own curve must fall."""
-HINT = "Take a goniometer table, or a species' curve with the offset fitted (--offset fit)."
+HINT = "Take one curve for all leaves (leave --own out), or a goniometer table (--curve)."
 OfLeaf = Callable[[Leaf, Ints, LeafPoints], Calibration]
 
 
@@ -71,6 +73,8 @@ def calibrate(
         It cannot be had; the sentence says what is missing.
     """
     source = request.source
+    if isinstance(source, ScanCurve):
+        return _calibrate_by_scan(project, scan, source, scale, request, gathered, progress)
     if isinstance(source, OwnCurve):
         return _calibrate_by_itself(project, scan, source, scale, request, progress)
     if isinstance(source, TableCurve):
@@ -110,6 +114,19 @@ def _given_offset(request: WrinkleRequest, scale: ChannelScale) -> Offset | None
     return Offset(kind, float(request.offset))
 
 
+def _calibrate_by_scan(
+    project: Project, scan: str, source: ScanCurve, scale: ChannelScale, request: WrinkleRequest,
+    gathered: Gathered, progress: Progress,
+) -> Calibrator:  # fmt: skip
+    if request.offset not in (None, "fit"):
+        raise WrongUse(
+            "The curve through the leaves of a scan is levelled with each leaf: it has no offset "
+            "that could be given.", "Leave --offset out, or name a curve (--curve, --species).",
+        )  # fmt: skip
+    curve, warnings = pool_curve(project, scan, gathered, scale, source.model, progress)
+    return Calibrator(_same(Calibration("levelled", curve)), warnings)
+
+
 def _calibrate_by_itself(
     project: Project, scan: str, source: OwnCurve, scale: ChannelScale, request: WrinkleRequest,
     progress: Progress,
@@ -122,9 +139,7 @@ def _calibrate_by_itself(
 
     def of_leaf(leaf: Leaf, points: Ints, measured: LeafPoints) -> Calibration:
         angle = to_radians(project.field(scan, "incidence", points, progress))
-        used = np.isfinite(angle) & np.isfinite(measured.intensity)
-        if measured.full is not None:
-            used &= measured.full
+        used = np.isfinite(angle) & measured.usable
         sigma = to_radians(project.field(scan, "incidence_sigma", points, progress))[used]
         angle, value = angle[used], measured.intensity[used]
         if not _find_span(angle, sigma) >= LEAST_SPAN:
@@ -210,15 +225,13 @@ def _find_height(curve: KnownCurve, gathered: Gathered) -> tuple[Offset, tuple[s
 
 def _height_of(measured: LeafPoints, curve: KnownCurve) -> float | None:
     """What the intensity of a leaf is above the curve at its plane: DN, or a logarithm."""
-    used = np.isfinite(measured.intensity)
-    if measured.full is not None:
-        used &= measured.full
+    used = measured.usable
     if curve.scale == "linear":
         used &= measured.intensity > 0.0
     if used.sum() < LEAST_LEAVES:
         return None
     try:
-        plane = leaf_plane(measured.xyz, measured.scanner)
+        plane = leaf_plane(measured.solid, measured.scanner)
     except LeafscopeError:
         return None  # a leaf without a plane tells no height; others do
     if not plane.incidence < FLATTEST:

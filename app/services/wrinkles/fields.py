@@ -11,6 +11,10 @@ from app.model.wrinkle_fields import DELTA, SIGNIFICANCE
 from app.services.wrinkles.measure import ScanWrinkles
 
 
+def _list_claims(found: ScanWrinkles) -> set[str]:
+    return {leaf.calibration.case for leaf in found.leaves if leaf.calibration}
+
+
 def fields_of(project: Project, scan: str, found: ScanWrinkles) -> dict[str, Values]:
     """What `Project.accept` takes over.
 
@@ -28,7 +32,17 @@ def fields_of(project: Project, scan: str, found: ScanWrinkles) -> dict[str, Val
             significance[leaf.points[valid]] = leaf.judged.significance[valid]
     catalogue, subject = project.catalogue(scan), project.subject(scan)
     every = np.ones(size, bool)
+    curves = {leaf.calibration.curve.origin for leaf in found.leaves if leaf.calibration}
+    notes = {"curve": "; ".join(sorted(curves)), "claim": "; ".join(sorted(_list_claims(found)))}
     return {
-        name: Values(fingerprint(catalogue, name, subject), values, every, True, computed=size)
+        name: Values(
+            fingerprint(catalogue, name, subject),
+            values,
+            every,
+            True,
+            notes=dict(notes),
+            computed=size,
+            fresh=size,
+        )
         for name, values in ((DELTA, delta), (SIGNIFICANCE, significance))
     }

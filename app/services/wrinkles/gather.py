@@ -59,6 +59,8 @@ def gather_leaves(
 ) -> Gathered:
     """Read what is needed of the leaves named, or of all.
 
+    Ghosts are those that the field ``ghost`` tells: the user's marks, else score and threshold.
+
     Raises
     ------
     MissingScanner, BadInput
@@ -72,7 +74,8 @@ def gather_leaves(
     every = join_members(leaves, len(state.scan))
     every = every[state.alive[every]]
     values = project.field(scan, channel.name, every, progress.part(0.0, 0.4))
-    full, warnings = _find_full(project, scan, state, every, progress.part(0.4, 0.9))
+    full, warnings = _find_full(project, scan, state, every, progress.part(0.4, 0.7))
+    ghosts = project.field(scan, "ghost", every, progress.part(0.7, 0.9)) == 1.0
     ended = _find_saturated(project, scan, state, channel, every, values, saturated)
     grid = neighbours_of(state.scan, progress).grid
     lines = find_lines(state.scan.xyz, scanner, grid)
@@ -90,6 +93,7 @@ def gather_leaves(
         measured.append(LeafPoints(
             values[inside], xyz, scanner, find_diameter(state, xyz, scanner, part),
             None if full is None else full[inside], ended[inside], cells, part,
+            ghosts[inside],
         ))  # fmt: skip
     return Gathered(tuple(leaves), tuple(points), tuple(measured), warnings)
 

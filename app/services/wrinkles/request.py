@@ -15,6 +15,13 @@ SCATTER = 0.08
 
 
 @dataclass(frozen=True, slots=True)
+class ScanCurve:
+    """One curve is fitted to all leaves of the scan, and every leaf is levelled with its plane."""
+
+    model: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class OwnCurve:
     """The curve is fitted to each leaf's own points and their local planes."""
 
@@ -61,7 +68,7 @@ class CurveInUse:
     scatter: float = SCATTER
 
 
-Source = OwnCurve | TableCurve | SpeciesSource | CurveInUse
+Source = ScanCurve | OwnCurve | TableCurve | SpeciesSource | CurveInUse
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +89,7 @@ class WrinkleRequest:
     choices : Choices
     """
 
-    source: Source = field(default_factory=OwnCurve)
+    source: Source = field(default_factory=ScanCurve)
     offset: FitOffset | float | None = None
     channel: str | None = None
     instrument: str | None = None

@@ -20,6 +20,10 @@ from app.services.wrinkles.request import TableCurve, WrinkleRequest
 from app.services.wrinkles.table import tabulate
 
 TABLES = (".csv", ".json")
+NAME_BEAM = (
+    "The beam of this scanner is unknown: name it (--instrument, or --exit-diameter and "
+    "--half-divergence), and points that it hits in part are told apart."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +88,8 @@ def tabulate_wrinkles(
         else:
             leaves_from_labels(project, key, label_field)
         found = measure_wrinkles(project, key, request, None, progress.part(0.5, 0.95))
+        if project.state.scan(key).parameters.beam is None:
+            warnings.append(NAME_BEAM)
         drawn.append(found)
         rows += [{"scan": state.scan.name, **row} for row in tabulate(found)]
         warnings += found.warnings

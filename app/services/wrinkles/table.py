@@ -6,23 +6,39 @@ import numpy as np
 
 from app.core.arrays import Floats
 from app.core.units import to_degrees
+from app.core.wrinkling.claim import Calibration
 from app.core.wrinkling.leaf import JudgedLeaf
+from app.core.wrinkling.offset import Offset, find_factor
 from app.core.wrinkling.validity import PARTS, WORDS, name_reasons
 from app.services.leaves import Row
 from app.services.wrinkles.measure import LeafWrinkles, ScanWrinkles
 
 SIGNIFICANT = 2.0
 """|Δω| over its error from which a point counts as turned away from the plane."""
+REASONS = {word: "n_" + word.replace(" ", "_") for word in WORDS.values()}
+COLUMNS = (
+    "leaf", "name", "channel", "points", "case", "curve",
+    "omega_plane_deg", "omega_plane_sigma_deg", "omega_mean_deg",
+    "omega_of_mean_intensity_minus_plane_deg", "sigma_median_deg",
+    *(f"sigma_{part}_median_deg" for part in PARTS), "significant_share",
+    "delta_mean_deg", "delta_median_deg", "delta_sd_deg", "delta_q05_deg", "delta_q25_deg",
+    "delta_q75_deg", "delta_q95_deg", "skewness", "modes_deg", "shape",
+    "wrinkle_index_deg", "wrinkle_index_low_deg", "wrinkle_index_high_deg", "blocks",
+    "offset", "offset_sigma", "offset_kind", "offset_as_factor", "noise",
+    "valid", *REASONS.values(), "claim", "refusal",
+)  # fmt: skip
+"""Of every table, whatever is known: what cannot be told is an empty cell."""
 
 
 def tabulate(found: ScanWrinkles) -> list[Row]:
-    """A row per leaf; None where something cannot be told."""
+    """A row per leaf with all of `COLUMNS`; None where something cannot be told."""
     return [tell_leaf(leaf, found.channel.name) for leaf in found.leaves]
 
 
 def tell_leaf(found: LeafWrinkles, channel: str) -> Row:
     """All that the table says of one leaf."""
-    row: Row = {
+    row: Row = dict.fromkeys(COLUMNS)
+    row |= {
         "leaf": found.leaf.key,
         "name": found.leaf.name,
         "channel": channel,
@@ -38,6 +54,7 @@ def tell_leaf(found: LeafWrinkles, channel: str) -> Row:
         "offset": judged.offset.value,
         "offset_sigma": judged.offset.sigma,
         "offset_kind": judged.offset.kind,
+        "offset_as_factor": _as_factor(judged.offset, found.calibration),
         "noise": judged.noise,
     }
     row |= _tell_validity(judged)
@@ -83,7 +100,7 @@ def _tell_spread(judged: JudgedLeaf) -> Row:
 def _tell_index(judged: JudgedLeaf) -> Row:
     index = judged.index
     if index is None:
-        return {"wrinkle_index_deg": None}
+        return {}
     return {
         "wrinkle_index_deg": _degrees(index.value),
         "wrinkle_index_low_deg": _degrees(index.low),
@@ -95,9 +112,15 @@ def _tell_index(judged: JudgedLeaf) -> Row:
 def _tell_validity(judged: JudgedLeaf) -> Row:
     counts = name_reasons(judged.angles.doubt)
     row: Row = {"valid": counts["valid"]}
-    for word in WORDS.values():
-        row["n_" + word.replace(" ", "_")] = counts[word]
-    return row
+    return row | {name: counts[word] for word, name in REASONS.items()}
+
+
+def _as_factor(offset: Offset, calibration: Calibration | None) -> float | None:
+    """How much brighter than the curve a leaf is: a shift of DN is a factor of reflectance."""
+    if offset.kind == "factor":
+        return offset.value
+    per_decade = None if calibration is None else calibration.curve.per_decade
+    return None if per_decade is None else find_factor(offset.value, per_decade)
 
 
 def _mean(values: Floats) -> float:

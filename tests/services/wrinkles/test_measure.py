@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,9 @@ from app.core.progress import LiveProgress
 from app.core.units import to_degrees
 from app.core.wrinkling.leaf import Choices
 from app.formats.cloud import Cloud
+from app.model.leaf import Leaf
+from app.model.operations import MarkGhosts, PutLeaf
+from app.model.points import PointSet
 from app.model.project import Project
 from app.model.scan import Channel
 from app.services.beams import beam_of_instrument
@@ -25,6 +29,7 @@ from app.services.wrinkles.measure import measure_wrinkles
 from app.services.wrinkles.request import (
     CurveInUse,
     OwnCurve,
+    ScanCurve,
     SpeciesSource,
     TableCurve,
     WrinkleRequest,
@@ -32,7 +37,7 @@ from app.services.wrinkles.request import (
 from app.services.wrinkles.run import tabulate_wrinkles
 from app.services.wrinkles.scale import find_scale
 from app.services.wrinkles.species import find_species_curve, list_species_curves
-from app.services.wrinkles.table import tabulate
+from app.services.wrinkles.table import COLUMNS, tabulate
 from app.simulate.virtual_scan import simulate
 
 CHANNEL = "reflectance_1545"
@@ -114,7 +119,7 @@ def test_a_levelled_leaf_claims_differences_only(project, table):
     assert abs(to_degrees(leaf.judged.spread.mean)) < 1.0
     assert leaf.judged.offset.sigma > 0.0
     assert found.leaves[5].judged is None
-    assert "60.0°" in found.leaves[5].refusal
+    assert "steepest valid angle" in found.leaves[5].refusal
 
 
 def test_a_species_gives_an_interval(project):
@@ -137,6 +142,122 @@ def test_a_flat_leaf_has_no_curve_of_its_own(project):
     assert "no curve of its own" in found.leaves[0].refusal
     with pytest.raises(WrongUse, match="no offset"):
         measure(project, OwnCurve(), 1.2)
+
+
+def test_with_nothing_known_one_curve_goes_through_all_leaves(project, scan):
+    made, key = project
+    found = measure_wrinkles(made, key, WrinkleRequest(channel=CHANNEL))
+    for leaf in found.leaves[:4]:
+        assert leaf.calibration.case == "levelled"
+        assert "6 leaves of this scan" in leaf.calibration.curve.origin
+    for leaf in found.leaves[1:4]:  # flat ones at 15, 30 and 45°
+        assert leaf.judged.angles.valid.mean() > 0.85
+        assert abs(to_degrees(leaf.judged.spread.mean)) < 0.5
+        assert to_degrees(leaf.judged.spread.sd) < 3.0
+        assert to_degrees(leaf.judged.index.high) < 1.5
+    omega = np.deg2rad(np.array([15.0, 30.0, 45.0, 55.0]))
+    curve = found.leaves[0].calibration.curve
+    specular = np.exp(-(np.tan(omega) ** 2) / M**2) / np.cos(omega) ** 5
+    true = K_D * np.cos(omega) + (1 - K_D) * specular
+    ratio = curve.evaluate(omega) / true
+    assert ratio / ratio.mean() == pytest.approx(1.0, abs=0.04)
+    for leaf in found.leaves[4:]:
+        assert "steepest valid angle" in leaf.refusal
+        assert "Scan it from where it faces the scanner more." in leaf.refusal
+    with pytest.raises(WrongUse, match="levelled"):
+        measure(project, ScanCurve(), 1.2)
+    levelled = measure(project, ScanCurve(), "fit").leaves[2].judged
+    assert levelled.offset == found.leaves[2].judged.offset
+
+
+def test_walls_and_panels_are_left_out_of_that_curve(scan):
+    wall = np.flatnonzero(scan.attributes["truth_surface"] == 6)
+    bright = scan.attributes[CHANNEL].copy()
+    bright[wall] *= 2.0
+    made = Project()
+    key = add_scans(made, [replace(scan, attributes={**scan.attributes, CHANNEL: bright})])[0]
+    set_parameters(made, key, beam=beam_of_instrument("two_colour"))
+    leaves_from_labels(made, key, "truth_leaf")
+    made.do(PutLeaf("leaf-00009", Leaf("leaf-00009", key, "Wall", PointSet(wall), ())))
+    found = measure((made, key), ScanCurve())
+    assert len(found.leaves) == 7
+    assert "6 leaves of this scan" in found.leaves[0].calibration.curve.origin
+
+
+def test_leaves_at_one_angle_get_the_cosine_and_are_told_so(project):
+    made, key = project
+    for leaf in made.state.leaves_of(key)[1:]:
+        made.do(PutLeaf(leaf.key, None))
+    found = measure(project, ScanCurve())
+    assert found.leaves[0].calibration.curve.origin == "cosine (Lambert)"
+    assert "--species NAME --offset fit" in " ".join(found.warnings)
+
+
+def test_numbers_of_an_unknown_scale_get_no_cosine(scan):
+    blank = Project()
+    raw = (Channel("raw", CHANNEL, None, "DN"),)
+    key = add_scans(blank, [replace(scan, channels=raw, metadata={})])[0]
+    leaves_from_labels(blank, key, "truth_leaf")
+    for leaf in blank.state.leaves_of(key)[1:]:
+        blank.do(PutLeaf(leaf.key, None))
+    with pytest.raises(BadInput, match="--instrument"):
+        measure_wrinkles(blank, key, WrinkleRequest(channel="raw"))
+
+
+def test_all_tables_have_the_same_columns(project, table):
+    for source, offset in ((ScanCurve(), None), (OwnCurve(), None), (TableCurve(table), "fit")):
+        rows = tabulate(measure(project, source, offset))
+        assert [tuple(row) for row in rows] == [COLUMNS] * 6
+    assert rows[5]["wrinkle_index_deg"] is None
+    assert rows[5]["refusal"]
+
+
+def test_an_offset_of_dn_is_told_as_a_factor_too(scan):
+    made = Project()
+    light = 600.0 * np.log10(scan.attributes[CHANNEL].clip(1e-6))
+    dn = Channel("dn", "dn", 785.0, "DN")
+    raw = replace(scan, attributes={**scan.attributes, "dn": light + 50.0}, channels=(dn,))
+    key = add_scans(made, [raw])[0]
+    leaves_from_labels(made, key, "truth_leaf")
+    set_parameters(made, key, beam=beam_of_instrument("two_colour"))
+    request = WrinkleRequest(SpeciesSource("maple"), "fit", "dn", "ls880")
+    rows = tabulate(measure_wrinkles(made, key, request))
+    # 0.27 is the leaf's own reflectance: the 50 DN come on top of it.
+    assert rows[2]["offset_as_factor"] == pytest.approx(0.27 * 10 ** (50 / 600), rel=0.3)
+    assert rows[2]["offset"] == pytest.approx(600 * np.log10(rows[2]["offset_as_factor"]))
+    assert rows[2]["case"] == "levelled"
+
+
+def test_ghosts_are_never_valid_and_in_no_mean(project, table, scan):
+    made, key = project
+    before = measure(project, TableCurve(table)).leaves[2]
+    valid = before.points[before.judged.angles.valid]
+    marked = valid[:: max(len(valid) // 40, 1)]
+    dark = scan.attributes[CHANNEL].copy()
+    dark[marked] = 100.0  # a mean that holds one would be nonsense
+    made.do(MarkGhosts(key, ghosts=PointSet(np.sort(marked))))
+    other = Project()
+    bright = add_scans(other, [replace(scan, attributes={**scan.attributes, CHANNEL: dark})])[0]
+    set_parameters(other, bright, beam=beam_of_instrument("two_colour"))
+    leaves_from_labels(other, bright, "truth_leaf")
+    other.do(MarkGhosts(bright, ghosts=PointSet(np.sort(marked))))
+    for document, scan_key in ((made, key), (other, bright)):
+        request = WrinkleRequest(TableCurve(table), channel=CHANNEL)
+        after = measure_wrinkles(document, scan_key, request).leaves[2]
+        inside = np.isin(after.points, marked)
+        assert not after.judged.angles.valid[inside].any()
+        assert np.abs(to_degrees(after.judged.spread.mean)) < 2.0
+        row = tabulate(measure_wrinkles(document, scan_key, request))[2]
+        assert row["n_ghosts"] >= len(marked)
+
+
+def test_a_leaf_of_ghosts_says_so(project, table):
+    made, key = project
+    leaf = made.state.leaves_of(key)[2]
+    made.do(MarkGhosts(key, ghosts=leaf.members))
+    found = measure(project, TableCurve(table)).leaves[2]
+    assert found.judged is None
+    assert "are no ghosts" in found.refusal
 
 
 def test_the_curve_in_use(project):

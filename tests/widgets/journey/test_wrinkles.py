@@ -40,9 +40,18 @@ def test_wrinkles(user: Any, tmp_path: Path) -> None:
     set_parameters(controller.project, key, beam=beam_of_instrument("two_colour"))
     user.rest()
 
-    # Leaves that are flat have no curve of their own; each says so, and the others do not stop.
+    # With nothing chosen one curve goes through all leaves, and nearly every leaf has an answer.
     user.press("Measure wrinkles", panel)
     user.wait_for(lambda: panel.measuring.find(key) is not None)
+    user.rest()
+    judged = [leaf.judged is not None for leaf in panel.measuring.find(key).found.leaves]
+    assert np.mean(judged) > 0.6
+    assert "only differences Δω inside the leaf are claimed" in panel.claim.text()
+
+    # Leaves that are flat have no curve of their own; each says so, and the others do not stop.
+    user.choose(panel.form.source.box, "Each leaf")
+    user.press("Measure wrinkles", panel)
+    user.wait_for(lambda: panel.busy.words.text() == "" and not panel.measuring.busy)
     user.rest()
     flat = cell_of(panel.table, f"truth_leaf {FLAT_LEAF}")
     panel.table.scrollTo(flat)

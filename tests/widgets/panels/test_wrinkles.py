@@ -17,11 +17,11 @@ from app.model.points import PointSet
 from app.model.scan import Channel
 from app.model.selection import Explicit
 from app.model.wrinkle_fields import DELTA, SIGNIFICANCE
-from app.services.wrinkles.request import CurveInUse, OwnCurve, SpeciesSource, TableCurve
+from app.services.wrinkles.request import CurveInUse, ScanCurve, SpeciesSource, TableCurve
 from widgets.common.numbers import show_count
-from widgets.common.wrinkles.offset_form import FITTED, TYPED
-from widgets.common.wrinkles.source_form import IN_USE, OWN, SPECIES, TABLE
-from widgets.fields_at_hand import why_not
+from widgets.common.wrinkles.offset_form import FITTED, NONE, TYPED
+from widgets.common.wrinkles.source_form import IN_USE, OWN, SCAN, SPECIES, TABLE
+from widgets.fields_at_hand import NOT_MEASURED, why_not
 from widgets.panels.wrinkles import WrinklesPanel
 
 LEFT = Qt.MouseButton.LeftButton
@@ -66,8 +66,9 @@ def table(tmp_path):
 
 
 def test_a_leaf_measured_by_itself_claims_differences_only(panel, opened, qtbot) -> None:
-    assert panel.form.source.kind == OWN
+    choose(panel.form.source.box, OWN)
     assert not panel.form.offset.isEnabled(), "a leaf has no offset to its own curve"
+    assert panel.form.offset.box.currentData() == NONE
     assert not panel.claim_box.isVisible()
     measured = measure(panel, qtbot)
     assert set(measured.leaves) == {"leaf-00001", "leaf-00002"}
@@ -84,7 +85,21 @@ def test_a_leaf_measured_by_itself_claims_differences_only(panel, opened, qtbot)
     assert "95 %" in facts["Wrinkle index"]
 
 
+def test_with_nothing_known_all_leaves_give_the_curve(panel, qtbot) -> None:
+    assert panel.form.source.kind == SCAN
+    assert not panel.form.offset.isEnabled()
+    assert panel.form.offset.box.currentData() == FITTED, "each leaf is levelled, and it is shown"
+    assert panel.form.request().source == ScanCurve()
+    measured = measure(panel, qtbot)
+    assert "leaves of this scan" in measured.rows[panel.leaf.key]["curve"]
+    assert SENTENCES["levelled"] in panel.claim.text()
+    choose(panel.form.source.box, SPECIES)
+    assert panel.form.offset.isEnabled()
+    assert panel.form.request().offset is None, "what was settled was not the user's choice"
+
+
 def test_what_is_not_valid_is_grey_and_counted(panel, qtbot) -> None:
+    choose(panel.form.source.box, OWN)
     panel.form.steepest.setValue(30.0)
     measured = measure(panel, qtbot)
     found = measured.leaves[panel.leaf.key]
@@ -218,7 +233,9 @@ def test_a_species_is_offered_near_its_wavelength(panel, qtbot) -> None:
 
 def test_the_curve_of_the_lab_is_taken_where_there_is_one(panel, opened, qtbot) -> None:
     scan = opened.controller.current
-    assert not panel.form.source.box.model().item(3).isEnabled()
+    assert (
+        not panel.form.source.box.model().item(panel.form.source.box.findData(IN_USE)).isEnabled()
+    )
     with qtbot.waitSignal(opened.work.fitted, timeout=60_000) as made:
         opened.work.fit(["leaf-00001", "leaf-00002"], "lambert-beckmann", "far")
     opened.work.use_fit(made.args[0])
@@ -239,8 +256,8 @@ def test_the_curve_of_the_lab_is_taken_where_there_is_one(panel, opened, qtbot) 
     opened.controller.undo()
     settle(panel, qtbot)
     assert opened.state.scan(scan).parameters.curve is None
-    assert source.kind == OWN
-    assert panel.form.request().source == OwnCurve()
+    assert source.kind == SCAN
+    assert panel.form.request().source == ScanCurve()
 
 
 def test_an_offset_is_a_factor_or_dn_as_the_channel_demands(desk, make_scan, qtbot) -> None:
@@ -385,6 +402,7 @@ def test_pages_show_map_distribution_and_numbers(panel, qtbot) -> None:
 
 
 def test_the_theme_changes_the_grey_of_the_map(panel, qtbot) -> None:
+    choose(panel.form.source.box, OWN)
     panel.form.steepest.setValue(30.0)
     measure(panel, qtbot)
     before = panel.page.views.scanner.image.image.copy()
@@ -414,3 +432,16 @@ def test_what_is_missing_is_said(desk, qtbot, make_scan) -> None:
     settle(panel, qtbot)
     assert panel.form.isVisible()
     assert panel.notice.text == ""
+
+
+def test_a_field_that_nobody_measured_is_asked_for_in_a_sentence(panel, opened, qtbot) -> None:
+    said = []
+    opened.controller.said.connect(said.append)
+    opened.controller.look(colour=DELTA)
+    settle(panel, qtbot)
+    assert said == [NOT_MEASURED]
+    assert "session does not keep it" in said[0]
+    measure(panel, qtbot)
+    opened.controller.look(colour=SIGNIFICANCE)
+    settle(panel, qtbot)
+    assert said == [NOT_MEASURED], "what is known needs no word"

@@ -127,7 +127,7 @@ class Measuring(QObject):
 def _measure(
     aside: Project, scan: str, request: WrinkleRequest, progress: Progress
 ) -> ScanWrinkles:
-    if isinstance(request.source, OwnCurve):
+    if isinstance(request.source, OwnCurve):  # all its local planes, not a few of each leaf
         state = aside.state.scan(scan)
         points = join_members(aside.state.leaves_of(scan), len(state.scan))
         aside.field(scan, "incidence", points[state.alive[points]], progress.part(0.0, FOR_ANGLES))
@@ -146,6 +146,7 @@ def _mark(state: State, scan: str, request: WrinkleRequest) -> Hashable:
         tuple((leaf.key, Same(leaf.members)) for leaf in state.leaves_of(scan)),
         Same(held.scan.xyz),
         Same(held.deleted),
+        Same(held.marks),
         held.scan.pose,
         held.channels,
         parameters.curve,
@@ -153,4 +154,5 @@ def _mark(state: State, scan: str, request: WrinkleRequest) -> Hashable:
         parameters.radiometry,
         parameters.radius,
         parameters.estimator,
+        parameters.ghost_threshold,
     )

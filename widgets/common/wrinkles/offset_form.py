@@ -32,6 +32,7 @@ class OffsetForm(QWidget):
         self.factor = NumberField(0.001, 1000.0, 3, "×", self)
         self.factor.setValue(1.0)
         self._log = False
+        self._chosen = NONE
         self._fill()
         self._explain()
         layout = QHBoxLayout(self)
@@ -51,8 +52,8 @@ class OffsetForm(QWidget):
             return self.added.value() if self._log else self.factor.value()
         return "fit" if kind == FITTED else None
 
-    def follow(self, scale: ChannelScale | None, unit: str, own: bool) -> None:
-        """Take over the scale of the channel; a leaf's own curve has no offset to itself.
+    def follow(self, scale: ChannelScale | None, unit: str, settled: str = "") -> None:
+        """Take over the scale of the channel, and what is settled by the curve already.
 
         Parameters
         ----------
@@ -60,6 +61,8 @@ class OffsetForm(QWidget):
             None: nobody knows it.
         unit : str
             Of the channel, DN or dB.
+        settled : str
+            NONE or FITTED: the curve leaves no choice; "": the user's choice counts.
         """
         known = scale is not None and scale.told
         self._log = scale is not None and scale.scale == "log"
@@ -67,10 +70,11 @@ class OffsetForm(QWidget):
         model = self.box.model()
         if isinstance(model, QStandardItemModel):
             model.item(self.box.findData(TYPED)).setEnabled(known)
-        if own or (not known and self.box.currentData() == TYPED):
-            with QSignalBlocker(self.box):
-                self.box.setCurrentIndex(self.box.findData(NONE))
-        self.setEnabled(not own)
+        if not known and self._chosen == TYPED:
+            self._chosen = NONE
+        with QSignalBlocker(self.box):
+            self.box.setCurrentIndex(self.box.findData(settled or self._chosen))
+        self.setEnabled(not settled)
         self._suit()
 
     def _suit(self) -> None:
@@ -79,6 +83,7 @@ class OffsetForm(QWidget):
         self.factor.setVisible(typed and not self._log)
 
     def _on_change(self, *_: object) -> None:
+        self._chosen = str(self.box.currentData())
         self._suit()
         self.changed.emit()
 

@@ -25,8 +25,11 @@ from app.services.wrinkles.request import WrinkleRequest
 from app.services.wrinkles.scale import ChannelScale, find_scale
 from app.simulate.instrument import list_instruments
 from widgets.common.numbers import NumberField
-from widgets.common.wrinkles.offset_form import OffsetForm
-from widgets.common.wrinkles.source_form import IN_USE, OWN, SourceForm
+from widgets.common.wrinkles.offset_form import FITTED, NONE, OffsetForm
+from widgets.common.wrinkles.source_form import IN_USE, OWN, SCAN, SourceForm
+
+SETTLED = {OWN: NONE, SCAN: FITTED}
+"""Offsets that follow from where the curve comes from."""
 
 
 class RequestForm(QWidget):
@@ -137,7 +140,7 @@ class RequestForm(QWidget):
         self.channel.setEnabled(kind != IN_USE)
         self._rows.setRowVisible(self.instrument, self._needs_instrument)
         unit = "" if channel is None else channel.kind
-        self.offset.follow(self._scale(channel, state), unit, kind == OWN)
+        self.offset.follow(self._scale(channel, state), unit, SETTLED.get(kind, ""))
 
     def _scale(self, channel: Channel | None, state: ScanState) -> ChannelScale | None:
         if channel is None:

@@ -1,4 +1,4 @@
-"""Where the curve comes from: the leaf itself, a goniometer, a species, or the lab."""
+"""Where the curve comes from: the scan's leaves, one leaf, a goniometer, a species, the lab."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from app.services.wrinkles.request import (
     SCATTER,
     CurveInUse,
     OwnCurve,
+    ScanCurve,
     Source,
     SpeciesSource,
     TableCurve,
@@ -28,7 +29,7 @@ from app.services.wrinkles.request import (
 from app.services.wrinkles.species import find_species_curve, list_species_curves
 from widgets.common.numbers import NumberField
 
-OWN, TABLE, SPECIES, IN_USE = "own", "table", "species", "in use"
+SCAN, OWN, TABLE, SPECIES, IN_USE = "scan", "own", "table", "species", "in use"
 TIP = int(Qt.ItemDataRole.ToolTipRole)
 
 
@@ -68,7 +69,7 @@ class SourceForm(QObject):
 
     @property
     def kind(self) -> str:
-        """Which of the four."""
+        """Which of the five."""
         return str(self.box.currentData())
 
     @property
@@ -90,7 +91,7 @@ class SourceForm(QObject):
             return SpeciesSource(name, self.reflectance.value() or None, scatter)
         if self.kind == IN_USE:
             return CurveInUse(self.of_leaf.isChecked(), scatter)
-        return OwnCurve()
+        return OwnCurve() if self.kind == OWN else ScanCurve()
 
     def take_file(self, path: Path) -> None:
         """Take a goniometer table; it is read when wrinkles are measured."""
@@ -109,9 +110,9 @@ class SourceForm(QObject):
             self.tr("No curve is in use: fit one in the Phase lab and press Use this curve")
             if curve is None else self.tr("The curve of the Phase lab"),
         )  # fmt: skip
-        wanted = IN_USE if curve is not None else OWN
+        wanted = IN_USE if curve is not None else SCAN
         if (curve is None and self.kind == IN_USE) or (
-            not self.touched and self.kind in (OWN, IN_USE)
+            not self.touched and self.kind in (SCAN, IN_USE)
         ):
             with QSignalBlocker(self.box):
                 self.box.setCurrentIndex(self.box.findData(wanted))
@@ -149,6 +150,8 @@ class SourceForm(QObject):
         self._rows.setRowVisible(self.told, bool(self.told.text()))
 
     def _tell(self) -> str:
+        if self.kind == SCAN:
+            return self.tr("Fitted to the local planes of all leaves; each leaf keeps its mean.")
         if self.kind == OWN:
             return self.tr("Fitted to each leaf's local planes, which must differ by 10° or more.")
         if self.kind == TABLE:
@@ -168,7 +171,9 @@ class SourceForm(QObject):
 
     def _fill(self) -> None:
         for title, kind, tip in (
-            (self.tr("This leaf"), OWN, self.tr("A curve through the leaf's own points")),
+            (self.tr("All leaves"), SCAN,
+             self.tr("One curve through all leaves of the scan; needs nothing else")),
+            (self.tr("Each leaf"), OWN, self.tr("A curve through the leaf's own points")),
             (self.tr("Goniometer table"), TABLE,
              self.tr("Measured on a leaf of this kind: CSV with columns angle (°) and value")),
             (self.tr("Species"), SPECIES, self.tr("The shape that is published for a species")),

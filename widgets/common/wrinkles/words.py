@@ -77,7 +77,7 @@ def list_facts(found: LeafWrinkles, row: Row) -> Facts:
         (_tr("Beyond 2 σ"), _tr("{0} % of the valid points").format(
             show_number(100.0 * (_number(row, "significant_share") or 0.0), 0))),
         (_tr("σ of one angle, median"), _tell_parts(row)),
-        (_tr("Offset"), _tell_offset(judged)),
+        (_tr("Offset"), _tell_offset(row, judged)),
         (_tr("Noise of one value"), _tell_noise(judged)),
     ]  # fmt: skip
     if found.calibration is not None:
@@ -132,12 +132,16 @@ def _tell_parts(row: Row) -> str:
     return f"{whole} ({parts})" if parts else whole
 
 
-def _tell_offset(judged: JudgedLeaf) -> str:
+def _tell_offset(row: Row, judged: JudgedLeaf) -> str:
     offset = judged.offset
     sign = show_signed(offset.value, 1) if offset.kind == "added" else show_number(offset.value, 3)
     decimals = 1 if offset.kind == "added" else 3
     text = f"{sign} DN" if offset.kind == "added" else f"× {sign}"
-    return f"{text} ± {show_number(offset.sigma, decimals)}" if offset.sigma else text
+    text = f"{text} ± {show_number(offset.sigma, decimals)}" if offset.sigma else text
+    factor = _number(row, "offset_as_factor")
+    if offset.kind == "factor" or factor is None:
+        return text
+    return _tr("{0}, reflectance × {1}").format(text, show_number(factor, 2))
 
 
 def _tell_noise(judged: JudgedLeaf) -> str:
