@@ -23,6 +23,7 @@ from app.model.view_state import ViewState
 from app.services.jobs import Job
 from widgets.bridge import Bridge
 from widgets.common.aside import copy_aside
+from widgets.fields_at_hand import NOT_MEASURED
 
 R = TypeVar("R")
 Mark = tuple[Any, ...]
@@ -242,12 +243,13 @@ class Controller(QObject):
             there = bool(field) and field in self.project.catalogue(scan)
             if not field or state.closed or scan in self.view.hidden or not (there or anew):
                 continue
-            if there and self.project.catalogue(scan)[field].given:
-                continue  # whoever measures it hands it over
             mark = self._mark(scan, field) if there else ()
             if anew or self._coloured.get((scan, field)) != mark:
                 self._coloured[scan, field] = mark
-                self.want(scan, field, quiet=not anew)
+                if not (there and self.project.catalogue(scan)[field].given):
+                    self.want(scan, field, quiet=not anew)
+                elif self.project.known_field(scan, field) is None:
+                    self.said.emit(NOT_MEASURED)  # whoever measures it hands it over
 
     def _mark(self, scan: str, field: str) -> Mark:
         project = self.project

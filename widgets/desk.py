@@ -49,6 +49,12 @@ class Desk:
         return scan is not None and len(scan.selection) > 0
 
     @property
+    def has_leaves(self) -> bool:
+        """Whether the current scan has a leaf."""
+        scan = self.controller.current
+        return scan is not None and bool(self.controller.project.state.leaves_of(scan))
+
+    @property
     def has_deleted(self) -> bool:
         """Whether points are deleted."""
         scan = self.controller.scan

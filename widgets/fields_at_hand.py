@@ -17,6 +17,9 @@ from app.model.truth_fields import describe_truth
 from app.model.wrinkle_fields import WRINKLES
 from app.services.formulas import pick_channels
 
+NOT_MEASURED = (
+    "Not measured, and a session does not keep it: press Measure wrinkles in the Δω panel."
+)
 MEASURED = tuple(spec.name for spec in WRINKLES)
 JUDGED = (
     "incidence_from_intensity",
@@ -122,7 +125,7 @@ def why_not(project: Project, scan: str, field: str) -> str:
     if "leaves" in spec.needs and not project.state.leaves_of(scan):
         return "There is no leaf yet: draw around one with the lasso."
     if spec.given and project.known_field(scan, field) is None:
-        return "Not measured yet: press Measure wrinkles in the Δω panel."
+        return NOT_MEASURED
     if not spec.inputs and not spec.stored:
         return _why_no_index(project, scan, spec.name)
     return _why_not_inputs(project, scan, spec.inputs)

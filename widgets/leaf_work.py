@@ -21,6 +21,7 @@ from app.model.selection import Difference, Explicit, Lasso, LassoMode, Selectio
 from app.model.state import next_leaf_key
 from app.services.cleaning import correct_ghosts, delete_ghosts, mark_ghosts
 from app.services.curves import fit_leaves, members_of, use_curve, use_fit
+from app.services.leaf_edits import merge_leaves, split_leaf
 from app.services.leaves import find_leaves, key_number
 from widgets.controller import Controller
 
@@ -139,15 +140,19 @@ class LeafWork(QObject):
 
     def merge(self, keys: Sequence[str]) -> None:
         """Make one leaf of several: the first keeps its name."""
-        leaves = [self._controller.project.state.leaves[key] for key in keys]
-        if len(leaves) < 2 or len({leaf.scan for leaf in leaves}) > 1:
-            return
-        members = PointSet(np.concatenate([leaf.members.indices for leaf in leaves]))
-        basis = tuple(part for leaf in leaves for part in leaf.basis)
-        merged = msgspec.structs.replace(leaves[0], members=members, basis=basis)
-        steps = [PutLeaf(leaf.key, None) for leaf in leaves[1:]]
-        first = PutLeaf(merged.key, merged, "Merge into")
-        self._controller.do(Several(f"Merge {len(leaves)} leaves", (first, *steps)))
+        self._controller.attempt(lambda: merge_leaves(self._controller.project, keys))
+
+    def split(self, key: str, seeds: Sequence[PointSet]) -> None:
+        """Make a leaf around each group of seeds; the first keeps its name."""
+        leaf = self._controller.project.state.leaves[key]
+
+        def service(aside: Project, progress: Progress) -> list[str]:
+            return split_leaf(aside, key, seeds, progress)
+
+        self._controller.carry_out(leaf.scan, f"Splitting {leaf.name}", service, self._tell_split)
+
+    def _tell_split(self, keys: list[str]) -> None:
+        self._controller.said.emit(f"{len(keys)} leaves made of one.")
 
     def remove(self, keys: Sequence[str]) -> None:
         """Remove leaves; their points stay."""

@@ -33,6 +33,7 @@ from widgets.notices import Answer, Kind, NoticeArea
 from widgets.picture import Picture
 from widgets.scan_deeds import ScanDeeds
 from widgets.series_deeds import SeriesDeeds
+from widgets.split_sight import SplitSight
 from widgets.status import Status
 from widgets.theme import ThemeSwitch
 from widgets.toolbar import MainBar
@@ -41,6 +42,7 @@ from widgets.view_deeds import ViewDeeds
 from widgets.welcome import Welcome
 
 if TYPE_CHECKING:
+    from widgets.panels.leaves import LeavesPanel
     from widgets.viewport.view3d import View3D
 
 SIZE = (112, 66)  # in heights of a line of text
@@ -147,8 +149,10 @@ class MainWindow(QMainWindow):
         view.camera_moved.connect(self._follow_camera)
         self.docks.fill(self.controller, self.work, self.documents)
         self._connect_panels()
-        areas = self.docks.panels["leaves"].areas  # type: ignore[attr-defined]
-        self.mesh = MeshOverlay(self.controller, self.picture, areas, self)
+        leaves: LeavesPanel = self.docks.panels["leaves"]  # type: ignore[assignment]
+        self.mesh = MeshOverlay(self.controller, self.picture, leaves.areas, self)
+        SplitSight(self.controller, self.picture, self.tools, leaves.split, self)
+        self.desk.scans.serve(leaves)
         self._watch_ghosts(view)
         self.picture.picker.picked.connect(partial(self.docks.raise_panel, "pick"))
         self.picture.picker.described.connect(self._show_point)
@@ -190,6 +194,7 @@ class MainWindow(QMainWindow):
 
         panel = self.docks.panels["ghosts"]
         self.ghosts = GhostSight(self.controller, self.picture, panel, view, self)  # type: ignore[arg-type]
+        self.ghosts.explained.connect(self.docks.panels["pick"].explain)  # type: ignore[attr-defined]
 
     def put_away(self) -> None:
         """Close the picture and end the worker, in this order; a second time does nothing."""

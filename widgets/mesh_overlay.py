@@ -52,7 +52,7 @@ class MeshOverlay(QObject):
             return
         self._invited = False
         self._areas.measure((leaf,))
-        self._show(self._areas.surfaces((leaf,)).get(leaf.key))
+        self._show(self._areas.results((leaf,)).get(leaf.key))
 
     def _find_leaf(self) -> Leaf | None:
         """The leaf whose mesh is wished for; None: none."""
@@ -89,11 +89,12 @@ class MeshOverlay(QObject):
         area = surface.mesh.area
         text = (
             self.tr("{name}: {n} triangles, {area} cm² ({low} to {high})")
-            if area.whole
+            if area.sure
             else self.tr("{name}: {n} triangles, visible {area} cm²; the leaf is at least as large")
         )
         value, low, high = (
             show_number(a * CM2_PER_M2, 1) for a in (area.value, area.low, area.high)
         )
         count = show_count(len(surface.mesh.faces))
-        return text.format(name=surface.name, n=count, area=value, low=low, high=high)
+        told = text.format(name=surface.name, n=count, area=value, low=low, high=high)
+        return f"{told}. {surface.reason}" if surface.reason else told

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QWidget
@@ -20,6 +21,9 @@ from widgets.documents import Documents
 from widgets.leaf_work import LeafWork
 from widgets.tools import Tools
 
+if TYPE_CHECKING:
+    from widgets.panels.leaves import LeavesPanel
+
 
 class ScanDeeds(QObject):
     """Selection, deletion, leaves, and what a scan has to be told."""
@@ -35,6 +39,11 @@ class ScanDeeds(QObject):
         super().__init__(window)
         self._window, self._controller, self._documents = window, controller, documents
         self._work, self._tools = work, tools
+        self._leaves: LeavesPanel | None = None
+
+    def serve(self, leaves: LeavesPanel) -> None:
+        """Take the panel of leaves into service: it knows which of them are chosen."""
+        self._leaves = leaves
 
     def invert_selection(self) -> None:
         """Select what is not selected."""
@@ -75,6 +84,21 @@ class ScanDeeds(QObject):
     def find_leaves(self) -> None:
         """Segment the scan into leaves."""
         self._work.find_all()
+
+    def split_leaf(self) -> None:
+        """Begin to split the chosen leaf by seeds."""
+        if self._leaves is not None:
+            self._leaves.split_leaf()
+
+    def merge_leaves(self) -> None:
+        """Make one leaf of the chosen ones."""
+        if self._leaves is not None:
+            self._leaves.merge()
+
+    def export_mesh(self) -> None:
+        """Ask where to write the triangles of leaves."""
+        if self._leaves is not None:
+            self._leaves.ask_for_mesh()
 
     def set_origin(self, proposed: Pose | None = None) -> None:
         """Ask where the scanner stood."""

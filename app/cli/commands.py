@@ -219,6 +219,7 @@ def leaves(
     *,
     out: Path,
     label_field: str | None = None,
+    seeds: Path | None = None,
     planes: Planes = DEFAULT_PLANES,
     beam: Footprint = DEFAULT_FOOTPRINT,
     reading: Reading = DEFAULT_READING,
@@ -236,12 +237,17 @@ def leaves(
     label_field
         Field whose whole numbers from 0 on name the leaves; without it leaves are found by
         connectivity.
+    seeds
+        CSV file with columns leaf, x, y, z (metres) that puts leaves right: places of one name
+        on several leaves make them one, places of several names on one leaf split it.
     """
     from app.cli.printing import print_leaves
     from app.services.leaf_tables import tabulate_leaves
 
     parameters = parameters_of(planes, beam)
-    rows = tabulate_leaves(opening(file, reading), out, label_field, parameters, overwrite, watch())
+    rows = tabulate_leaves(
+        opening(file, reading), out, label_field, parameters, overwrite, watch(), seeds
+    )
     print_leaves(rows, out, json)
 
 

@@ -21,3 +21,4 @@ class Doubt(IntFlag):
     SATURATED = 16
     PARTIAL = 32
     MISSING = 64
+    GHOST = 128

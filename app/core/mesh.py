@@ -16,7 +16,8 @@ from app.core.arrays import Bools, Floats, Ints
 from app.core.errors import BadInput
 from app.core.neighbours.steps import UnusableGrid
 from app.core.surfaces.crop import Crop, Layout, crop_leaf, lay_out
-from app.core.surfaces.outline import Outline, border_length, find_outline
+from app.core.surfaces.outline import USUAL, Outline, border_length, find_outline
+from app.core.surfaces.rim import estimate_lost
 from app.core.surfaces.smoothing import Smooth, smooth_leaf
 from app.core.surfaces.triangles import Cuts, cut_triangles
 
@@ -37,6 +38,10 @@ WHOLE = 0.15
 those seen to 95 % or more have less, and 1 % of the others; it is what a chord leaves of a circle
 that cuts off 2.5 %."""
 
+STEEPEST = float(np.deg2rad(65.0))
+"""Mean angle from which on an area is a lower bound only: a leaf seen so nearly edge-on may go on
+beyond its border, thinner than the beam, and on simulated leaves intervals fail."""
+
 
 @dataclass(frozen=True, slots=True)
 class Area:
@@ -46,9 +51,11 @@ class Area:
     ----------
     value, low, high : float
         The 95 % interval holds range noise, the border's place, the beam and the smoothing; on
-        the high side also what a short hidden border may hide.
+        the high side also what a short hidden border may hide, and a steep rim lose.
     hidden : float
         Share of the border behind something nearer or at the end of the scan.
+    omega : float
+        Radians: mean angle of incidence over the area.
     parts : dict of str to float
         Standard deviations: noise, border, beam, smoothing.
     """
@@ -57,12 +64,23 @@ class Area:
     low: float
     high: float
     hidden: float
+    omega: float
     parts: dict[str, float]
 
     @property
     def whole(self) -> bool:
         """Whether the leaf is seen whole; else the area is a lower bound of the leaf's."""
         return self.hidden < WHOLE
+
+    @property
+    def steep(self) -> bool:
+        """Whether the leaf is seen so nearly edge-on that its area is a lower bound."""
+        return self.omega > STEEPEST
+
+    @property
+    def sure(self) -> bool:
+        """Whether the interval is one of the leaf's area."""
+        return self.whole and not self.steep
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,6 +113,7 @@ class Mesh:
     width: float
     radius: float
     told: bool
+    normals: Floats | None = None
 
 
 def mesh_leaf(
@@ -123,8 +142,8 @@ def mesh_leaf(
         See `crop_leaf`.
     """
     crop = crop_leaf(layout, members, ghosts)
-    radius = None if beam is None else beam[0] + crop.distance * float(np.tan(beam[1]))
-    outline = find_outline(crop, radius, told)
+    known = None if beam is None else beam[0] + crop.distance * float(np.tan(beam[1]))
+    outline = find_outline(crop, known, told)
     smooth = smooth_leaf(crop, outline)
     cuts = cut_triangles(outline.inside)
     vertices = _lift(crop, smooth, cuts)
@@ -137,7 +156,9 @@ def mesh_leaf(
     facing = np.einsum("ij,ij->i", across, beams)
     omega = np.arctan2(np.linalg.norm(np.cross(across, beams), axis=1), np.abs(facing))
     faces = np.where((facing > 0.0)[:, None], faces[:, ::-1], faces)
-    area = _measure(crop, outline, smooth, 0.5 * double, omega)
+    radius = outline.radius if outline.radius > 0.0 else USUAL
+    lost = estimate_lost(vertices, faces, omega, radius)
+    area = _measure(crop, outline, smooth, 0.5 * double, omega, lost)
     world = crop.scanner + vertices
     return Mesh(world, faces, omega, area, smooth.sigma, smooth.width, outline.radius, outline.told)
 
@@ -187,7 +208,9 @@ def _lift(crop: Crop, smooth: Smooth, cuts: Cuts) -> Floats:
     return np.asarray(local @ crop.axes)
 
 
-def _measure(crop: Crop, outline: Outline, smooth: Smooth, areas: Floats, omega: Floats) -> Area:
+def _measure(
+    crop: Crop, outline: Outline, smooth: Smooth, areas: Floats, omega: Floats, lost: float
+) -> Area:
     total = float(areas.sum())
     cosine = np.maximum(np.cos(omega), 0.05)
     # What noise adds to slopes makes faces larger: by half its square over the squared length.
@@ -205,8 +228,10 @@ def _measure(crop: Crop, outline: Outline, smooth: Smooth, areas: Floats, omega:
     }
     sigma = float(np.sqrt(sum(part**2 for part in parts.values())))
     reach = NORMAL * sigma
-    lost = value * estimate_hidden(min(outline.hidden, WHOLE))
-    return Area(value, max(value - reach, 0.0), value + reach + lost, outline.hidden, parts)
+    beyond = lost + value * estimate_hidden(min(outline.hidden, WHOLE))
+    mean = float((areas * omega).sum()) / total if total > 0.0 else 0.0
+    low, high = max(value - reach, 0.0), value + reach + beyond
+    return Area(value, low, high, outline.hidden, mean, parts)
 
 
 def estimate_hidden(border: float) -> float:

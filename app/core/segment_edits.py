@@ -1,4 +1,4 @@
-"""Segments put right by hand: seeds that must be leaves of their own, cuts, and merges."""
+"""A leaf cut by hand: seeds say which of its points lie on leaves of their own."""
 
 from __future__ import annotations
 
@@ -7,56 +7,44 @@ from typing import Any
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Floats, Ints
+from app.core.arrays import Floats, Ints, finite_rows
 from app.core.errors import WrongUse
+from app.core.touching import is_whole, lay_sheet, share_points, unroll
 
 NEIGHBOURS = 8
+FEWEST = 30
+"""Points of a part below which its shape says nothing."""
 
 
-def merge_segments(labels: AnyArray, groups: Sequence[Sequence[int]]) -> AnyArray:
-    """Give all segments of each group the number of its first one; a copy.
+def split_points(xyz: Floats, seeds: Sequence[Ints]) -> Ints:
+    """Share the points of a leaf out among groups of seeds.
 
-    Raises
-    ------
-    WrongUse
-        There is no such segment, or it stands in two groups.
-    """
-    merged = labels.copy()
-    taken: set[int] = set()
-    for group in groups:
-        for number in group:
-            if number < 0 or not (labels == number).any():
-                raise WrongUse(f"There is no leaf {number} to merge.")
-            if number in taken:
-                raise WrongUse(f"Leaf {number} cannot be merged twice.")
-            taken.add(number)
-            merged[labels == number] = group[0]
-    return merged
-
-
-def split_segment(labels: AnyArray, xyz: Floats, seeds: Sequence[Ints]) -> AnyArray:
-    """Cut one segment so that each group of seeds is a leaf of its own; a copy.
-
-    A point goes with the seeds that are nearest to it along the surface. The first group keeps
-    the segment's number, the others get new ones.
+    A point goes with the seeds that are nearest to it along the surface; a piece that hangs
+    together with none of them goes with its nearest neighbour in space.
 
     Parameters
     ----------
-    labels : (n,) integers, -1 for points of no leaf
     xyz : (n, 3) metres
-    seeds : sequence of point numbers
-        One group for each leaf; all of them lie on one segment.
+        Points of the leaf; those without coordinates go with the first group.
+    seeds : sequence of (k,) numbers of points
+        One group for each leaf that is to be.
+
+    Returns
+    -------
+    (n,) int64
+        Number of each point's group, from 0.
 
     Raises
     ------
     WrongUse
-        Fewer than two groups, an empty one, points of several leaves or of none, or a point in
-        two groups.
+        Fewer than two groups, an empty one, a point in two groups, or one without coordinates.
     """
     from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import cKDTree
 
-    label = _check_seeds(labels, seeds)
-    points = np.flatnonzero((labels == label) & np.isfinite(xyz).all(axis=1))
+    known = finite_rows(xyz)
+    _check_seeds(known, seeds)
+    points = np.flatnonzero(known)
     graph = _join_neighbours(xyz[points])
     away = np.full((len(seeds), len(points)), np.inf)
     for k, group in enumerate(seeds):
@@ -64,22 +52,65 @@ def split_segment(labels: AnyArray, xyz: Floats, seeds: Sequence[Ints]) -> AnyAr
         away[k] = dijkstra(graph, directed=False, indices=sources, min_only=True)
     owner = away.argmin(axis=0)
     reached = np.isfinite(away).any(axis=0)
-    numbers = np.array([label, *(labels.max() + 1 + np.arange(len(seeds) - 1))])
-    split = labels.copy()
-    split[points] = np.where(reached, numbers[owner], label)
-    return split
+    if not reached.all():
+        near = cKDTree(xyz[points[reached]]).query(xyz[points[~reached]])[1]
+        owner[~reached] = owner[reached][near]
+    found = np.zeros(len(xyz), np.int64)
+    found[points] = owner
+    return found
 
 
-def _check_seeds(labels: AnyArray, seeds: Sequence[Ints]) -> int:
+def settle_split(
+    beams: Floats, row: Ints, column: Ints, turn: int | None, owner: Ints, seeds: Sequence[Ints]
+) -> Ints:
+    """Move the cut to where the shapes of the parts say: half way between seeds is a guess only.
+
+    Parameters
+    ----------
+    beams : (n, 3) metres
+        Points of the leaf about the scanner.
+    row, column : (n,)
+    turn : int or None
+        Columns of a full turn, where the grid closes.
+    owner : (n,)
+        See `split_points`.
+    seeds : sequence of (k,) numbers of points
+
+    Returns
+    -------
+    (n,) int64
+        As it was where shapes would take a seed from its group, or leave a part in pieces: waves
+        of one leaf are no leaves.
+    """
+    known = np.flatnonzero(finite_rows(beams))
+    parts = [np.flatnonzero(owner[known] == k) for k in range(len(seeds))]
+    if min(map(len, parts)) < FEWEST:
+        return owner
+    sheet = lay_sheet(beams[known], row[known], unroll(column[known].astype(np.int64), turn))
+    settled = owner.copy()
+    found: list[int] = []
+    for part in share_points(sheet, parts, FEWEST):
+        inside = [np.isin(group, known[part]) for group in seeds]
+        held = [k for k, mine in enumerate(inside) if mine.any()]
+        if len(held) != 1 or not inside[held[0]].all():
+            return owner
+        if not is_whole(sheet, np.isin(np.arange(len(known)), part)):
+            return owner
+        settled[known[part]] = held[0]
+        found += held
+    return settled if len(found) == len(seeds) else owner
+
+
+def _check_seeds(known: Any, seeds: Sequence[Ints]) -> None:
     if len(seeds) < 2 or any(len(group) == 0 for group in seeds):
-        raise WrongUse("A cut needs a point on each side.", "Give two groups of points or more.")
+        raise WrongUse(
+            "A leaf is split by seeds on both sides.", "Give a point on each leaf it is to become."
+        )
     every = np.concatenate([np.asarray(group, np.int64) for group in seeds])
     if len(np.unique(every)) < len(every):
         raise WrongUse("A point cannot be a seed of two leaves.")
-    found = np.unique(labels[every])
-    if len(found) != 1 or found[0] < 0:
-        raise WrongUse("The seeds of a cut must lie on one leaf.", "Merge leaves first.")
-    return int(found[0])
+    if not known[every].all():
+        raise WrongUse("A point without coordinates cannot be a seed.")
 
 
 def _join_neighbours(xyz: Floats) -> Any:

@@ -84,14 +84,14 @@ def part_touching(
     for place, number in enumerate(asked):
         progress.report(place / len(asked), "leaves")
         points = order[bounds[number] : bounds[number + 1]]
-        across = _unroll(column[points].astype(np.int64), turn)
+        across = unroll(column[points].astype(np.int64), turn)
         parts = part_surface(lay_sheet(beams[points], row[points], across), noise, fewest)
         for part in parts[1:]:
             label[points[part]] = following
             following += 1
 
 
-def _unroll(column: Ints, turn: int | None) -> Ints:
+def unroll(column: Ints, turn: int | None) -> Ints:
     """Columns without the seam: they count from behind the widest gap on."""
     if turn is None or 2 * np.ptp(column) < turn:
         return column
@@ -131,13 +131,16 @@ def part_surface(sheet: Sheet, noise: float, fewest: int) -> list[Ints]:
     if len(parts) > 2:
         _join_alike(sheet, parts)
     if len(parts) > 2:
-        parts = _share_again(sheet, parts, fewest)
+        parts = share_points(sheet, parts, fewest)
         _join_alike(sheet, parts)
     return sorted(parts, key=len, reverse=True)
 
 
-def _share_again(sheet: Sheet, parts: list[Ints], fewest: int) -> list[Ints]:
-    """Share all points out among all parts by turns: a first cut may have gone through a leaf."""
+def share_points(sheet: Sheet, parts: list[Ints], fewest: int) -> list[Ints]:
+    """Share all points out among all parts by turns: a first cut may have gone through a leaf.
+
+    Parts that come out smaller than `fewest` are shared out among the others.
+    """
     from app.core.kernels.two_surfaces import spread_squares
 
     shape = sheet.row.max() + 1, sheet.column.max() + 1
@@ -202,12 +205,12 @@ def _find_second(sheet: Sheet, least: float, fewest: int) -> Bools | None:
             *sheets,
         )  # fmt: skip
         second: Bools = owner == 1
-        if min(second.sum(), (~second).sum()) >= fewest and _is_whole(sheet, second):
+        if min(second.sum(), (~second).sum()) >= fewest and is_whole(sheet, second):
             return second
     return None
 
 
-def _is_whole(sheet: Sheet, second: Bools) -> bool:
+def is_whole(sheet: Sheet, second: Bools) -> bool:
     """Whether most of each part lies in one piece; gaps of a cell or two are none."""
     from scipy.ndimage import binary_dilation, label
 

@@ -19,12 +19,16 @@ FAR = 1000.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Triangles of one leaf: corners (v, 3) metres, faces (f, 3), angle (f,) degrees."""
+    """Triangles of one leaf: corners (v, 3) metres, faces (f, 3), angle (f,) degrees.
+
+    Normals (f, 3) are told where they are others than those of the triangles.
+    """
 
     name: str
     vertices: Floats
     faces: Ints
     omega: Floats
+    normals: Floats | None = None
 
 
 def refuse_suffix(path: Path) -> None:
@@ -40,8 +44,8 @@ def write_parts(path: Path, parts: Sequence[Part], overwrite: bool = False) -> N
     """Write triangles, whole or not at all.
 
     PLY holds corners in double precision and per face `leaf` (number of the part, from 0) and
-    `omega` (degrees); the names of the parts stand in its comments. STL knows neither, and only
-    single precision.
+    `omega` (degrees), and normals where these are told; the names of the parts stand in its
+    comments. STL knows normals, but neither leaf nor angle, and only single precision.
 
     Raises
     ------
@@ -63,17 +67,23 @@ def _write_ply(path: Path, parts: Sequence[Part]) -> None:
     vertices = np.concatenate([part.vertices for part in parts])
     first = np.cumsum([0, *(len(part.vertices) for part in parts)])
     names = [f"comment leaf {k}: {_clean(part.name)}" for k, part in enumerate(parts)]
-    row = np.dtype([("n", "u1"), ("v", "<i4", 3), ("leaf", "<i4"), ("omega", "<f4")])
-    table = np.empty(sum(len(part.faces) for part in parts), row)
+    row = [("n", "u1"), ("v", "<i4", 3), ("leaf", "<i4"), ("omega", "<f4")]
+    told = any(part.normals is not None for part in parts)
+    if told:
+        row.append(("normal", "<f4", 3))
+    table = np.empty(sum(len(part.faces) for part in parts), np.dtype(row))
     table["n"] = 3
     table["v"] = np.concatenate([p.faces + f for p, f in zip(parts, first, strict=False)])
     table["leaf"] = np.repeat(np.arange(len(parts)), [len(part.faces) for part in parts])
     table["omega"] = np.concatenate([part.omega for part in parts])
+    if told:
+        table["normal"] = np.concatenate([_normals_of(part) for part in parts])
     header = [
         "ply", "format binary_little_endian 1.0", "comment omega in degrees", *names,
         f"element vertex {len(vertices)}", *(f"property double {axis}" for axis in "xyz"),
         f"element face {len(table)}", "property list uchar int vertex_indices",
-        "property int leaf", "property float omega", "end_header",
+        "property int leaf", "property float omega",
+        *(f"property float n{axis}" for axis in ("xyz" if told else "")), "end_header",
     ]  # fmt: skip
     with path.open("wb") as file:
         file.write(("\n".join(header) + "\n").encode("utf-8"))
@@ -100,12 +110,16 @@ def _write_stl(path: Path, parts: Sequence[Part]) -> None:
         )
     row = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("tail", "<u2")])
     table = np.zeros(len(corners), row)
-    table["normal"] = find_normals(corners)
+    table["normal"] = np.concatenate([_normals_of(part) for part in parts])
     table["corners"] = corners
     with path.open("wb") as file:
         file.write(b"leaves, metres".ljust(80))
         file.write(np.array(len(table), "<u4").tobytes())
         file.write(table.tobytes())
+
+
+def _normals_of(part: Part) -> Floats:
+    return find_normals(part.vertices[part.faces]) if part.normals is None else part.normals
 
 
 def find_normals(corners: AnyArray) -> Floats:

@@ -1,4 +1,4 @@
-"""What is drawn over the points of a stage: footprints, marks and the mesh of a leaf."""
+"""What is drawn over the points of a stage: footprints, marks, seeds and the mesh of a leaf."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ class Drawings:
         self._renderer = renderer
         self._origin: Floats = np.zeros(3)
         self._rings, self._marks, self._mesh = RingActor(), RingActor(MARKS), MeshActor()
-        self._all = (self._rings, self._marks, self._mesh)
+        self._seeds = RingActor(MARKS)
+        self._all = (self._rings, self._marks, self._seeds, self._mesh)
 
     def show_rings(self, corners: Floats | None) -> None:
         """Draw closed lines, (k, n, 3) world metres; None takes them away."""
@@ -32,6 +33,11 @@ class Drawings:
         """Draw closed lines of another colour, which point something out."""
         self._marks.show(corners)
         self._follow(self._marks)
+
+    def show_seeds(self, corners: Floats | None) -> None:
+        """Draw closed lines around seeds of leaves."""
+        self._seeds.show(corners)
+        self._follow(self._seeds)
 
     def show_mesh(self, triangles: Triangles | None) -> None:
         """Draw triangles, coloured by their angle; None takes them away."""
@@ -58,6 +64,7 @@ class Drawings:
         """Take everything away."""
         self.show_rings(None)
         self.show_marks(None)
+        self.show_seeds(None)
         self.show_mesh(None)
 
     def _follow(self, one: RingActor | MeshActor) -> None:

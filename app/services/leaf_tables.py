@@ -9,13 +9,8 @@ from typing import Any
 from app.core.errors import BadInput
 from app.core.progress import QUIET, Progress
 from app.formats.atomic import refuse_target
-from app.services.leaves import (
-    Row,
-    find_leaves,
-    leaves_from_labels,
-    measure_leaves,
-    write_table,
-)
+from app.services.leaf_seeds import make_leaves, read_seeds
+from app.services.leaves import Row, measure_leaves, write_table
 from app.services.opening import Opening, open_file, set_parameters
 from app.services.surfaces.meshes import measure_areas
 
@@ -27,6 +22,7 @@ def tabulate_leaves(
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
     progress: Progress = QUIET,
+    seeds: Path | None = None,
 ) -> list[Row]:
     """Measure all leaves of a file and write them as CSV, a row per leaf.
 
@@ -37,21 +33,21 @@ def tabulate_leaves(
         connectivity.
     parameters : mapping
         Attributes of `Parameters` that differ from the defaults.
+    seeds : Path or None
+        Table of places that split, merge and name leaves, see `app.services.leaf_seeds`.
 
     Raises
     ------
     BadInput
-        No leaf was found.
+        No leaf was found, or a seed lies on none.
     """
-    refuse_target(out, overwrite, sources=[opening.path])
+    refuse_target(out, overwrite, sources=list(filter(None, [opening.path, seeds])))
+    given = None if seeds is None else read_seeds(seeds)
     project, keys = open_file(opening, progress.part(0.0, 0.4))
     rows: list[Row] = []
     for key in keys:
         set_parameters(project, key, **(parameters or {}))
-        if label_field is None:
-            find_leaves(project, key, progress.part(0.4, 0.7))
-        else:
-            leaves_from_labels(project, key, label_field)
+        make_leaves(project, key, label_field, given, progress.part(0.4, 0.7))
         measured = measure_leaves(project, key, None, progress.part(0.7, 0.85))
         leaves = project.state.leaves_of(key)
         areas = measure_areas(project, key, leaves, progress.part(0.85, 1.0))

@@ -14,6 +14,7 @@ from app.formats.cloud import take_points
 from app.model.fields import find_spec
 from app.model.operations import AddScan
 from app.model.project import Project
+from app.model.wrinkle_fields import WRINKLES
 from app.services.beams import propose_beam
 from app.services.curves import DEFAULT_MODEL, fit_leaves, use_fit
 from app.services.leaves import find_leaves
@@ -21,10 +22,11 @@ from app.services.opening import set_parameters
 
 WARM_UP_POINTS = 64
 CURVE_FIELDS = frozenset({"incidence_from_intensity", "delta_omega", "residual"})
-NOTHING_ELSE = frozenset({"leaf", "footprint_share"})
+WRINKLE_FIELDS = frozenset(spec.name for spec in WRINKLES)
+NOTHING_ELSE = frozenset({"leaf", "footprint_share"}) | WRINKLE_FIELDS
 """Fields that without a leaf have no value anywhere."""
 LEAF_FIELDS = NOTHING_ELSE | CURVE_FIELDS
-BEAM_FIELDS = frozenset({"footprint", "footprint_share"})
+BEAM_FIELDS = frozenset({"footprint", "footprint_share"}) | WRINKLE_FIELDS
 # What leaves and the curve are made from, beside what the field itself reads.
 MADE_FROM = ("ghost",)
 
@@ -114,6 +116,19 @@ def _find_what_is_missing(
             f"No leaf was found in {project.state.scan(scan).scan.name}.",
             "Label its points and use leaves --label-field, or lasso leaves in the window.",
         )
+    if WRINKLE_FIELDS.intersection(fields):
+        _measure_wrinkles(project, scan, progress)
+
+
+def _measure_wrinkles(project: Project, scan: str, progress: Progress) -> None:
+    """As the window does when nothing is chosen there: one curve through all leaves."""
+    from app.services.wrinkles.fields import fields_of
+    from app.services.wrinkles.measure import measure_wrinkles
+    from app.services.wrinkles.request import WrinkleRequest
+
+    if any(project.known_field(scan, name) is None for name in WRINKLE_FIELDS):
+        found = measure_wrinkles(project, scan, WrinkleRequest(), None, progress)
+        project.accept(scan, fields_of(project, scan, found))
 
 
 def _seconds_of_fields(project: Project, scan: str) -> float:

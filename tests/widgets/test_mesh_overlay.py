@@ -16,6 +16,7 @@ from app.services.beams import typed_beam
 from app.services.leaves import leaves_from_labels
 from app.services.opening import add_scans
 from app.services.surfaces.files import write_surfaces
+from app.services.surfaces.meshes import tell_area
 from app.simulate.scenes import leaves_scan
 from widgets.common.leaf_areas import LeafAreas
 from widgets.common.leaf_table import LeafTable
@@ -118,7 +119,7 @@ def test_areas_stand_in_the_table_and_meshes_in_files(overlay, qtbot, tmp_path: 
     leaves = leaves_of(controller)
     areas.measure(leaves)
     settle(overlay, qtbot)
-    surfaces = areas.surfaces(leaves)
+    surfaces = areas.results(leaves)
     assert set(surfaces) == {leaf.key for leaf in leaves}
     table = LeafTable()
     rows = {key: {"points": 1, **row} for key, row in areas.rows(leaves).items()}
@@ -129,20 +130,21 @@ def test_areas_stand_in_the_table_and_meshes_in_files(overlay, qtbot, tmp_path: 
         area = surfaces[leaf.key].mesh.area
         text = table.data(table.index(row, place))
         expected = f"{area.value * 1e4:.1f}"
-        assert text.startswith(expected if area.whole else f"≥ {expected}")
+        assert text.startswith(expected if area.sure else f"≥ {expected}")
         tip = table.data(table.index(row, place), 3)
-        assert tip == ("leaf" if area.whole else "visible part, lower bound")
+        assert tip == tell_area(surfaces[leaf.key])["area_of"]
+        assert (tip == "leaf") == area.sure
     write_surfaces(list(surfaces.values()), tmp_path / "leaves.stl")
     assert (tmp_path / "leaves.stl").stat().st_size > 1000
     again = dict(surfaces)
     areas.measure(leaves)
     settle(overlay, qtbot)
-    assert all(areas.surfaces(leaves)[key] is again[key] for key in again)
+    assert all(areas.results(leaves)[key] is again[key] for key in again)
 
 
 def test_an_unmeasured_leaf_has_dots(overlay) -> None:
     leaves = leaves_of(overlay._controller)
     table = LeafTable()
     table.show_leaves(leaves, {leaves[0].key: {"points": np.int64(3)}}, ())
-    assert table.data(table.index(0, 4)) == "…"
-    assert table.data(table.index(1, 4)) == "…"
+    assert table.data(table.index(0, 2)) == "…"
+    assert table.data(table.index(1, 2)) == "…"

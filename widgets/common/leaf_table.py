@@ -167,6 +167,13 @@ class LeafTable(QAbstractTableModel):
     ) -> tuple[Column, ...]:
         known = {name for row in rows.values() for name in row}
         columns = [
+            _area(
+                self.tr("Area (cm²)"),
+                self.tr(
+                    "Area of the leaf's mesh and its 95 % interval; ≥: a lower bound, of a leaf "
+                    "that something hides or that is seen nearly edge-on"
+                ),
+            ),
             _plain(
                 self.tr("ω plane (°)"),
                 self.tr("Angle between the beam and the normal of the leaf's plane"),
@@ -180,10 +187,6 @@ class LeafTable(QAbstractTableModel):
                 1,
             ),
         ]
-        columns.append(_area(self.tr("Area (cm²)"), self.tr(
-            "Area of the leaf's mesh and its 95 % interval; ≥: the visible part of a leaf that "
-            "something hides, a lower bound"
-        )))  # fmt: skip
         for channel in channels:
             nm = channel.wavelength_nm
             title = channel.name if nm is None else f"{nm:g} nm"
@@ -242,9 +245,9 @@ def _area(title: str, tip: str) -> Column:
         if "area_of" not in row:
             return "…"
         area, low, high = (_number(row, f"area{end}_cm2") for end in ("", "_low", "_high"))
-        if area is None or low is None or high is None:
+        if area is None:
             return UNKNOWN
-        if row["area_of"] != "leaf":
+        if row["area_of"] != "leaf" or low is None or high is None:
             return f"≥ {show_number(area, 1)}"
         return f"{show_number(area, 1)} ({show_number(low, 1)}–{show_number(high, 1)})"
 

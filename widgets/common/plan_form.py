@@ -206,7 +206,7 @@ class PlanForm(QWidget):
             (self.pulse, self.tr("Pulse length, metres"),
              self.tr("Length of the pulse as range, c·τ/2, 0.001–10 m: nearer surfaces blend")),
             (self.length, self.tr("Length of the leaf, mm"),
-             self.tr("Length of the leaf, 1–2000 mm")),
+             self.tr("Length of the leaf, 1–2000 mm; the longer side counts as the length")),
             (self.width_field, self.tr("Width of the leaf, mm"),
              self.tr("Width of the leaf, 1–2000 mm")),
             (self.nearest, self.tr("Nearest range, metres"),

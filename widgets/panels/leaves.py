@@ -8,6 +8,7 @@ import numpy as np
 from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSortFilterProxyModel, Qt, Signal
 from PySide6.QtWidgets import (
     QAbstractItemView,
+    QCheckBox,
     QFileDialog,
     QGridLayout,
     QHeaderView,
@@ -23,6 +24,7 @@ from app.services.leaves import Row, write_table
 from app.services.surfaces.files import write_surfaces
 from widgets.common.leaf_areas import LeafAreas
 from widgets.common.leaf_measures import LeafMeasures
+from widgets.common.leaf_split import LeafSplit
 from widgets.common.leaf_table import SORT, LeafTable
 from widgets.common.notice import Notice
 from widgets.common.numbers import show_count
@@ -48,6 +50,7 @@ class LeavesPanel(Panel):
         self.model = LeafTable(self)
         self.measures = LeafMeasures(self.controller, self)
         self.areas = LeafAreas(self.controller, self)
+        self.split = LeafSplit(self.controller, self.work, self)
         self._sorted = QSortFilterProxyModel(self)
         self._sorted.setSourceModel(self.model)
         self._sorted.setSortRole(SORT)
@@ -55,10 +58,12 @@ class LeavesPanel(Panel):
         self.find_button = QPushButton(self.tr("&Find leaves"), self)
         self.new_button = QPushButton(self.tr("&New leaf"), self)
         self.merge_button = QPushButton(self.tr("&Merge"), self)
+        self.split_button = QPushButton(self.tr("S&plit…"), self)
         self.remove_button = QPushButton(self.tr("&Remove"), self)
         self.select_button = QPushButton(self.tr("&Select points"), self)
         self.export_button = QPushButton(self.tr("&Export table…"), self)
         self.mesh_button = QPushButton(self.tr("Export mes&h…"), self)
+        self.steep_box = QCheckBox(self.tr("Steep parts of meshes by &intensity"), self)
         self._dress()
         self._arrange()
         self._connect()
@@ -82,6 +87,7 @@ class LeavesPanel(Panel):
             (self.find_button, self.tr("Split the scan into leaves where the surface jumps")),
             (self.new_button, self.tr("Make a leaf of the selection, or of the next lasso")),
             (self.merge_button, self.tr("Make one leaf of the selected ones")),
+            (self.split_button, self.tr("Make several leaves of one by clicking a point on each")),
             (self.remove_button, self.tr("Remove the selected leaves; their points stay")),
             (self.select_button, self.tr("Make the points of the selected leaves the selection")),
             (self.export_button, self.tr("Write all numbers of this table to a CSV file")),
@@ -93,6 +99,12 @@ class LeavesPanel(Panel):
             ),
         ):
             button.setToolTip(tip)
+        self.steep_box.setToolTip(
+            self.tr(
+                "Normals and angles of faces beyond 60° from the curve in use (Phase lab), not "
+                "from ranges; areas stay as they are"
+            )
+        )
 
     def _arrange(self) -> None:
         buttons = QGridLayout()
@@ -101,6 +113,7 @@ class LeavesPanel(Panel):
                 self.find_button,
                 self.new_button,
                 self.merge_button,
+                self.split_button,
                 self.remove_button,
                 self.select_button,
                 self.export_button,
@@ -112,6 +125,8 @@ class LeavesPanel(Panel):
         layout.addWidget(self.notice)
         layout.addWidget(self.table, 1)
         layout.addStretch(0)
+        layout.addWidget(self.split)
+        layout.addWidget(self.steep_box)
         layout.addLayout(buttons)
 
     def _connect(self) -> None:
@@ -122,10 +137,12 @@ class LeavesPanel(Panel):
         self.find_button.clicked.connect(self.work.find_all)
         self.new_button.clicked.connect(self.make_next)
         self.merge_button.clicked.connect(self.merge)
+        self.split_button.clicked.connect(self.split_leaf)
         self.remove_button.clicked.connect(self.remove)
         self.select_button.clicked.connect(self.select_points)
         self.export_button.clicked.connect(self.ask_for_file)
         self.mesh_button.clicked.connect(self.ask_for_mesh)
+        self.steep_box.toggled.connect(self.use_intensity)
 
     @property
     def leaves(self) -> tuple[Leaf, ...]:
@@ -146,6 +163,7 @@ class LeavesPanel(Panel):
         self.notice.say(self._find_missing())
         self.table.setVisible(bool(leaves))
         kept = self.selected
+        self.split.follow()
         self.measures.measure(leaves)
         self.areas.measure(leaves)
         channels = () if state is None else state.channels
@@ -155,7 +173,7 @@ class LeavesPanel(Panel):
 
     def _rows(self) -> dict[str, Row]:
         """What is known of the leaves by now, with their areas where these are known."""
-        measured, areas = self.measures.rows(self.leaves), self.areas.rows(self.leaves)
+        measured, areas = self.measures.results(self.leaves), self.areas.rows(self.leaves)
         return {key: {**row, **areas.get(key, {})} for key, row in measured.items()}
 
     def _find_missing(self) -> str:
@@ -191,11 +209,12 @@ class LeavesPanel(Panel):
         self.find_button.setEnabled(state is not None)
         self.new_button.setEnabled(state is not None)
         self.merge_button.setEnabled(count > 1)
+        self.split_button.setEnabled(count == 1)
         self.remove_button.setEnabled(count > 0)
         self.select_button.setEnabled(count > 0)
-        measured = self.measures.rows(self.leaves)
+        measured = self.measures.results(self.leaves)
         self.export_button.setEnabled(bool(measured) and len(measured) == len(self.leaves))
-        meshed = self.areas.surfaces(self.leaves).values()
+        meshed = self.areas.results(self.leaves).values()
         self.mesh_button.setEnabled(any(surface.mesh is not None for surface in meshed))
 
     def make_next(self) -> None:
@@ -214,9 +233,21 @@ class LeavesPanel(Panel):
     def merge(self) -> None:
         """Make one leaf of the selected ones."""
         keys = self.selected
+        if len(keys) < 2:
+            self.controller.said.emit(
+                self.tr("Select two leaves or more in the table (Ctrl+click), then merge them.")
+            )
+            return
         self.work.merge(keys)
-        if keys:
-            self.controller.look(leaf=keys[0])
+        self.controller.look(leaf=keys[0])
+
+    def split_leaf(self) -> None:
+        """Begin to split the selected leaf."""
+        keys = self.selected
+        if len(keys) == 1:
+            self.split.start(self.controller.project.state.leaves[keys[0]])
+        else:
+            self.controller.said.emit(self.tr("Select the leaf to split in the table."))
 
     def remove(self) -> None:
         """Remove the selected leaves."""
@@ -249,8 +280,24 @@ class LeavesPanel(Panel):
                 self.tr("{n} leaves written to {path}.").format(n=show_count(len(rows)), path=path)
             )
 
+    def use_intensity(self, on: bool) -> None:
+        """Let the curve in use tell normals of steep faces; without one, say so."""
+        state = self.controller.scan
+        if on and (state is None or state.parameters.curve is None):
+            self.steep_box.setChecked(False)
+            self.controller.said.emit(
+                self.tr("Put a curve to use in the Phase lab first: it tells angles by intensity.")
+            )
+            return
+        self.areas.by_intensity = on
+        self.refresh_soon()
+        self.areas.measured.emit()
+
     def ask_for_mesh(self) -> None:
         """Ask where to write the triangles; the dialog itself asks before it replaces a file."""
+        if not self.mesh_button.isEnabled():
+            self.controller.said.emit(self._tell_no_mesh())
+            return
         dialog = QFileDialog(self, self.tr("Export the mesh of leaves"))
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
@@ -259,10 +306,19 @@ class LeavesPanel(Panel):
         dialog.fileSelected.connect(self.export_mesh)
         dialog.open()
 
+    def _tell_no_mesh(self) -> str:
+        """Why there is nothing to export."""
+        if not self.leaves:
+            return self.tr("No leaf yet: find leaves first, then export their mesh.")
+        surfaces = self.areas.results(self.leaves)
+        if len(surfaces) < len(self.leaves):
+            return self.tr("The leaves are being meshed; export the mesh when that is done.")
+        return next(iter(surfaces.values())).reason
+
     def export_mesh(self, path: str) -> None:
         """Write the triangles of the selected leaves, or of all; an existing file is replaced."""
         chosen = self.selected or tuple(leaf.key for leaf in self.leaves)
-        meshed = self.areas.surfaces(self.leaves)
+        meshed = self.areas.results(self.leaves)
         surfaces = [meshed[key] for key in chosen if key in meshed]
         told = self.tr("{n} leaves written to {path}.").format(
             n=show_count(sum(surface.mesh is not None for surface in surfaces)), path=path

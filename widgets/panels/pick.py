@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import QPushButton, QVBoxLayout
+from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout
 
 from app.model.events import EVERYTHING, Change
 from widgets.common.fact_table import FactTable
@@ -25,6 +25,17 @@ class PickPanel(Panel):
         self.notice = Notice(self)
         titles = (self.tr("Name"), self.tr("Value"), self.tr("Unit"))
         self.table = FactTable(self.tr("Values of the picked point"), titles, self)
+        self.ghost = QLabel(self)
+        self.ghost.setWordWrap(True)
+        self.ghost.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.ghost.setAccessibleName(self.tr("Why this point is a ghost, or none"))
+        self.ghost.setToolTip(
+            self.tr(
+                "In brackets how far surfaces lie along the beam from this point; negative: "
+                "nearer to the scanner"
+            )
+        )
+        self.ghost.hide()
         self.copy_button = QPushButton(self.tr("&Copy as table"), self)
         self.copy_button.setToolTip(self.tr("Names, values and units, separated by tabs"))
         self.copy_button.clicked.connect(self.copy)
@@ -34,18 +45,27 @@ class PickPanel(Panel):
         layout = QVBoxLayout(self)
         layout.addWidget(self.notice)
         layout.addWidget(self.table, 1)
+        layout.addWidget(self.ghost)
         layout.addWidget(self.copy_button, 0, Qt.AlignmentFlag.AlignLeft)
         layout.addStretch(0)
 
     def set_values(self, values: Sequence[tuple[str, str | float | int, str]]) -> None:
         """Show names, values and units; an empty sequence clears the panel."""
         self._values = [(name, _write(value), unit) for name, value, unit in values]
+        if not values:
+            self.explain("")
         self.refresh()
+
+    def explain(self, text: str) -> None:
+        """Show why the point is a ghost, or none; empty where nobody asked for a score."""
+        self.ghost.setText(text)
+        self.ghost.setVisible(bool(text) and bool(self._values))
 
     def on_document(self, change: Change) -> None:
         """Let go of a point whose document is gone."""
         if change is EVERYTHING:
             self._values = []
+            self.explain("")
         super().on_document(change)
 
     def refresh(self) -> None:
@@ -61,6 +81,8 @@ class PickPanel(Panel):
     def copy(self) -> None:
         """Put the table on the clipboard, a line per value, separated by tabs."""
         lines = ["\t".join(texts) for texts in self._values]
+        if self.ghost.text():
+            lines.append("\t".join((self.tr("Ghost"), self.ghost.text(), "")))
         QGuiApplication.clipboard().setText("\n".join(lines))
         self.controller.said.emit(self.tr("The point's values are on the clipboard."))
 

@@ -24,6 +24,11 @@ class ViewDrawings:
         self._stage.drawings.show_marks(corners)
         self._draw()
 
+    def show_seeds(self, corners: Floats | None) -> None:
+        """Ring the seeds of leaves, (k, n, 3) world metres; None takes the rings away."""
+        self._stage.drawings.show_seeds(corners)
+        self._draw()
+
     def show_mesh(self, triangles: Triangles | None) -> None:
         """Draw the mesh of a leaf; None takes it away."""
         self._stage.drawings.show_mesh(triangles)

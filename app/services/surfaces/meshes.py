@@ -13,7 +13,7 @@ from app.core.mesh import Mesh, estimate_beam, mesh_leaf
 from app.core.neighbours.steps import UnusableGrid, as_cells, measure_steps
 from app.core.progress import QUIET, Progress
 from app.core.surfaces.crop import Layout, lay_out
-from app.core.units import MM_PER_M
+from app.core.units import MM_PER_M, to_degrees
 from app.model.leaf import Leaf
 from app.model.neighbours import neighbours_of
 from app.model.project import Project
@@ -25,7 +25,7 @@ CM2_PER_M2 = 1e4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeafSurface:
-    """A leaf and its mesh; where it has none, why."""
+    """A leaf and its mesh; the reason tells why it has none, or none of what was asked for."""
 
     key: str
     name: str
@@ -111,11 +111,14 @@ def tell_area(surface: LeafSurface) -> dict[str, Cell]:
     if surface.mesh is None:
         return {**dict.fromkeys(COLUMNS), "area_of": surface.reason}
     area, mesh = surface.mesh.area, surface.mesh
+    what = "leaf" if area.whole else "visible part, lower bound"
+    if area.steep:
+        what = f"seen nearly edge-on ({to_degrees(area.omega):.0f}°), lower bound"
     return {
         "area_cm2": area.value * CM2_PER_M2,
         "area_low_cm2": area.low * CM2_PER_M2,
-        "area_high_cm2": area.high * CM2_PER_M2,
-        "area_of": "leaf" if area.whole else "visible part, lower bound",
+        "area_high_cm2": None if area.steep else area.high * CM2_PER_M2,
+        "area_of": what,
         "hidden_border": area.hidden,
         "beam_radius_mm": mesh.radius * MM_PER_M if np.isfinite(mesh.radius) else None,
         "beam": "known" if mesh.told else "estimated",

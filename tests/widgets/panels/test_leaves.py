@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 
+import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QLineEdit
@@ -102,6 +103,68 @@ def test_merge_remove_and_undo(panel, opened, qtbot) -> None:
     opened.controller.undo()
     opened.controller.undo()
     qtbot.waitUntil(lambda: names(panel) == ["Leaf 1", "Leaf 2"])
+
+
+def test_a_leaf_is_split_by_clicked_points_and_by_a_selection(panel, opened, qtbot) -> None:
+    key = opened.controller.current
+    click(panel, qtbot, 0)
+    leaf = opened.state.leaves["leaf-00001"]
+    assert not panel.split.isVisibleTo(panel)
+    with qtbot.waitSignal(panel.split.pick_asked):
+        qtbot.mouseClick(panel.split_button, Qt.MouseButton.LeftButton)
+    assert panel.split.isVisibleTo(panel)
+    rows = leaf.members.indices
+    panel.split.take_point(key, int(rows[0]))
+    assert not panel.split.split_button.isEnabled()
+    with qtbot.waitSignal(opened.controller.said) as said:
+        panel.split.take_point(key, int(rows[0]))
+    assert "already" in said.args[0]
+    other = opened.state.leaves["leaf-00002"].members.indices
+    with qtbot.waitSignal(opened.controller.said) as said:
+        panel.split.take_point(key, int(np.setdiff1d(other, rows)[0]))
+    assert "no point of Leaf 1" in said.args[0]
+    patch = PointSet(rows[-40:])
+    opened.controller.do(Select(key, patch))
+    qtbot.waitUntil(panel.split.add_button.isEnabled)
+    qtbot.mouseClick(panel.split.add_button, Qt.MouseButton.LeftButton)
+    assert panel.split.seeds == [PointSet(rows[:1]), patch]
+    qtbot.mouseClick(panel.split.split_button, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: "leaf-00003" in opened.state.leaves, timeout=30_000)
+    one, two = opened.state.leaves["leaf-00001"].members, opened.state.leaves["leaf-00003"].members
+    assert (one | two) == leaf.members
+    assert (two & patch) == patch
+    assert not panel.split.isVisibleTo(panel)
+    opened.controller.undo()
+    assert opened.state.leaves["leaf-00001"].members == leaf.members
+    assert "leaf-00003" not in opened.state.leaves
+
+
+def test_a_split_ends_when_its_leaf_goes_or_it_is_cancelled(panel, opened, qtbot) -> None:
+    click(panel, qtbot, 0)
+    panel.split_leaf()
+    qtbot.mouseClick(panel.split.cancel_button, Qt.MouseButton.LeftButton)
+    assert panel.split.leaf is None
+    panel.split_leaf()
+    panel.remove()
+    qtbot.waitUntil(lambda: panel.split.leaf is None)
+    panel.split.split()
+    assert "leaf-00003" not in opened.state.leaves
+
+
+def test_merging_and_splitting_say_what_to_choose(panel, opened, qtbot) -> None:
+    panel.table.clearSelection()
+    for deed in (panel.merge, panel.split_leaf):
+        with qtbot.waitSignal(opened.controller.said) as said:
+            deed()
+        assert "in the table" in said.args[0]
+
+
+def test_steep_parts_by_intensity_need_a_curve(panel, opened, qtbot) -> None:
+    with qtbot.waitSignal(opened.controller.said) as said:
+        panel.steep_box.setChecked(True)
+    assert "curve" in said.args[0]
+    assert not panel.steep_box.isChecked()
+    assert not panel.areas.by_intensity
 
 
 def test_select_points_and_make_a_leaf_of_them(panel, opened, qtbot) -> None:

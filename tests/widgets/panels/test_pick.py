@@ -35,3 +35,17 @@ def test_no_values_clear_the_panel(desk, qtbot) -> None:
     panel.set_values([])
     assert "Click a point" in panel.notice.text
     assert not panel.copy_button.isVisible()
+
+
+def test_why_a_point_is_a_ghost_stands_below_and_is_copied(desk, qtbot) -> None:
+    panel = desk.show(PickPanel)
+    panel.explain("Ghost (score 0.93): alone")
+    assert not panel.ghost.isVisible(), "there is no point yet"
+    panel.set_values(VALUES)
+    panel.explain("Ghost (score 0.93): between leaf 12 (−14 mm) and wall (+2.1 m)")
+    assert panel.ghost.isVisible()
+    qtbot.mouseClick(panel.copy_button, Qt.MouseButton.LeftButton)
+    last = QGuiApplication.clipboard().text().split("\n")[-1]
+    assert last == "Ghost\tGhost (score 0.93): between leaf 12 (−14 mm) and wall (+2.1 m)\t"
+    panel.set_values([])
+    assert not panel.ghost.isVisible()

@@ -30,7 +30,10 @@ ALWAYS = {
     "help.about", "scan.plan",
 }  # fmt: skip
 SELECTION = {"edit.clear", "edit.delete", "scan.make_leaf"}
-LATER = {"edit.redo", "edit.bring_back", "scan.columns"}
+LATER = {
+    "edit.redo", "edit.bring_back", "scan.columns", "file.export_mesh", "scan.split_leaf",
+    "scan.merge_leaves",
+}  # fmt: skip
 Put = Callable[..., str]
 Open = Callable[[ThemeSwitch], AbstractContextManager[MainWindow]]
 
