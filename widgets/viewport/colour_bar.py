@@ -31,6 +31,7 @@ from widgets.viewport.overlay import PANELS
 Handle = Literal["low", "high"]
 WIDE, NARROW = 9.5, 5.0
 """Widths in heights of the font."""
+BREAK = "\u200b"
 SMALLEST_SPAN = 0.005  # of the scale: the handles never cross
 
 
@@ -139,11 +140,15 @@ class ColourBarWidget(QWidget):
 
     @property
     def _wrapping(self) -> Qt.TextFlag:
-        # Names of fields are long words; in a narrow bar they break anywhere.
-        return Qt.TextFlag.TextWrapAnywhere if self._narrow else Qt.TextFlag.TextWordWrap
+        room = self.width() - QFontMetricsF(self.font()).height()
+        words = self._title().replace(BREAK, " ").split()
+        if all(QFontMetricsF(self.font()).horizontalAdvance(word) <= room for word in words):
+            return Qt.TextFlag.TextWordWrap
+        return Qt.TextFlag.TextWrapAnywhere
 
     def _title(self) -> str:
-        return title_of(self._bar) if self._bar is not None else ""
+        """Names of fields are long words: they may break behind an underscore."""
+        return title_of(self._bar).replace("_", "_" + BREAK) if self._bar is not None else ""
 
     # Handles
 

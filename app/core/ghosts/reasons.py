@@ -101,7 +101,7 @@ def explain_points(
             number_members(image, points, surfaces)[:, :2],
             share,
             _measure_border(image, points, surfaces, beam),
-            np.arctan(surfaces.slope[:, 0]),
+            np.arctan(surfaces.slope[:, 0] * own / surfaces.distance[:, 0]),
         )
 
 

@@ -32,7 +32,8 @@ class BeamSurfaces:
         Of the weight of all surfaces here, beams weighing by how near they are.
     beams : how many make the surface; 0 without
     light : mean of what is given of each point
-    slope : tangent of the angle of incidence
+    slope : range over breadth at the range of the point
+        Times the point's range over `distance`: tangent of the angle of incidence.
     away : cells
         From the point to the nearest beam that is of the surface.
     nearest : int16, (k, 3, 3)

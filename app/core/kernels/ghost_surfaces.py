@@ -30,8 +30,9 @@ SURFACES = 3
 PER_SURFACE = 10
 RANGE, SCATTER, LIGHT, SLOPE, AWAY, MASS, SIZE, NEAR_LAYER, NEAR_DOWN, NEAR_ACROSS = range(10)
 """Of each surface, nearest in range first: range at the beam and scatter about the plane (metres),
-mean intensity, tangent of the angle of incidence, cells to its nearest beam, weight of its beams by
-a Gaussian of the footprint's size, their number, and where the nearest is (layer, and cells)."""
+mean intensity, slope over the breadth at the range of the point, cells to its nearest beam, weight
+of its beams by a Gaussian of the footprint's size, their number, and where the nearest is (layer,
+and cells)."""
 DEEPEST = 4
 STEEPEST = 4.0
 

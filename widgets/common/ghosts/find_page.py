@@ -22,6 +22,7 @@ from widgets.leaf_work import LeafWork
 
 GHOST = "ghost"
 FEW_POINTS = 200_000
+PLOT_LINES = 15
 
 
 def say_method(known: Values) -> str:
@@ -61,12 +62,15 @@ class FindPage(QWidget):
         for place, button in enumerate(self._buttons):
             buttons.addWidget(button, place // 2, place % 2)
         layout = QVBoxLayout(self)
-        layout.addWidget(self.plot, 1)
+        # The page is as high as the other one: buttons stay in sight in a low window.
+        self.plot.setMaximumHeight(PLOT_LINES * self.fontMetrics().height())
+        layout.addWidget(self.plot)
         layout.addWidget(self.settings)
         layout.addWidget(self.summary)
         layout.addWidget(self.method)
         layout.addWidget(self.preview)
         layout.addLayout(buttons)
+        layout.addStretch(1)
 
     def _explain(self) -> None:
         tips = (

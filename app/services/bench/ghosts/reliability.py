@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.core.arrays import Floats, Ints
+from app.core.arrays import Bools, Floats, Ints
 from app.services.bench.ghosts.measures import SIGMAS
 from app.services.bench.ghosts.truth import Scene
 from app.services.bench.results import ResultTable, Value
@@ -18,8 +18,9 @@ NOTE = (
     "Ghosts by the confidence of their correction, all scenes of a kind together. said: mean "
     "confidence of the class; right: of its points, those that lie within 2 σ of the "
     "energy-weighted range of the dominant surface when put back, and no farther from it than "
-    "before. Points that are no ghosts by the truth count as they fall. The program puts back "
-    "from 0.8 on."
+    "before. Points that are no ghosts by the truth count as they fall. exact: the same of points "
+    "whose true range is told free of noise; the truth of the other simulator's leaves holds the "
+    "noise of the point itself. The program puts back from 0.8 on."
 )
 
 
@@ -30,11 +31,14 @@ class Reliability:
     Attributes
     ----------
     count, right : numbers of points
-    said : sum of their confidences
+    exact, exact_right : numbers of those whose truth is free of noise
+    said : sum of confidences
     """
 
     count: Ints
     right: Ints
+    exact: Ints
+    exact_right: Ints
     said: Floats
 
 
@@ -55,10 +59,14 @@ def judge_confidence(scene: Scene, confidence: Floats, ranges: Floats) -> Reliab
     after = np.abs(ranges[called] - scene.main[called])
     before = np.abs(scene.own[called] - scene.main[called])
     right = (after <= SIGMAS * scene.sigma[called]) & (after <= before)
+    exact = scene.exact[called]
+
+    def count(some: Bools) -> Ints:
+        return np.bincount(place[some], minlength=classes)
+
     total: Floats = np.bincount(place, said, minlength=classes).astype(np.float64)
-    return Reliability(
-        np.bincount(place, minlength=classes), np.bincount(place[right], minlength=classes), total
-    )
+    everyone = np.ones(len(called), bool)
+    return Reliability(count(everyone), count(right), count(exact), count(exact & right), total)
 
 
 def tabulate_reliability(judged: Sequence[tuple[str, Reliability]]) -> ResultTable:
@@ -66,15 +74,21 @@ def tabulate_reliability(judged: Sequence[tuple[str, Reliability]]) -> ResultTab
     rows: list[dict[str, Value]] = []
     for kind in dict.fromkeys(name for name, _ in judged):
         some = [one for name, one in judged if name == kind]
-        count, right, said = (
-            sum(getattr(one, part) for one in some) for part in ("count", "right", "said")
+        count, right, exact, exact_right, said = (
+            sum(getattr(one, part) for one in some)
+            for part in ("count", "right", "exact", "exact_right", "said")
         )
         for place, (low, high) in enumerate(pairwise(BORDERS)):
             if count[place]:
                 rows.append({
                     "scenes": kind, "confidence": f"{low:g} to {high:g}",
-                    "points": int(count[place]),
-                    "said_percent": round(100.0 * float(said[place] / count[place]), 1),
-                    "right_percent": round(100.0 * float(right[place] / count[place]), 1),
+                    "points": int(count[place]), "said_percent": _percent(said, count, place),
+                    "right_percent": _percent(right, count, place),
+                    "exact_points": int(exact[place]),
+                    "exact_right_percent": _percent(exact_right, exact, place),
                 })  # fmt: skip
     return ResultTable("ghosts_reliability", "Confidence against truth", rows, NOTE)
+
+
+def _percent(part: Floats | Ints, whole: Ints, place: int) -> float:
+    return round(100.0 * float(part[place] / whole[place]), 1) if whole[place] else float("nan")
