@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.core.arrays import AnyArray, Bools, Floats, Ints, finite_rows
+from app.core.background import find_scraps
 from app.core.chunks import CHUNK, run_in_pieces, split_evenly
 from app.core.errors import WrongUse
 from app.core.neighbours.asked import as_points
@@ -41,6 +42,8 @@ PART, FEWEST = 0.1, 30
 """Share of the surface, and points, that such a part has at least."""
 FRAMED = 0.8
 """Share of its border with nearer surfaces above which a surface may be background in a gap."""
+SMALLEST = 5e-5
+"""Square metres across the beam. On simulated scans nothing smaller is a leaf of 50 full hits."""
 ALL_NEARER = 0.95
 """The same share without the border against no return. On scenes with truth, background has
 1.00, leaves have up to 0.93."""
@@ -56,8 +59,8 @@ def segment_leaves(
     On a grid, cells that touch belong together when their ranges differ by no more than
     `jump`, or than a surface at 72° would let them. What is then too large for a leaf is cut
     where it is narrower than `NECK`, so that a leaf comes off its branch; background that
-    shows through a gap is no leaf. Without a grid or a scanner, points belong together when
-    their voxels of side `jump` touch; nothing is cut.
+    shows through a gap, or lies in the plane of a wall, is no leaf. Without a grid or a
+    scanner, points belong together when their voxels of side `jump` touch; nothing is cut.
 
     Parameters
     ----------
@@ -122,11 +125,14 @@ def _label_on_grid(
     solid = _join(beams, thick, progress.part(0.4, 0.6))
     grow_rims(beams._replace(usable=large), solid, REACH)
     large &= too_large | _find_split(label, solid)
+    walls = np.where(too_large, label, -1)
     solid[_find_large(index, solid, largest)] = -1
     label[large] = np.where(solid < 0, -1, solid + label.max(initial=-1) + 1)[large]
     _part_crossing(index, scanner, label, minimum, largest, progress.part(0.6, 0.85))
     _rejoin(index, scanner, beams, label, largest)
     _drop_framed(beams, label)
+    _drop_background(index, walls, label)
+    _drop_tiny(beams, label)
     raw[index.member] = label
 
 
@@ -235,6 +241,24 @@ def _drop_framed(beams: Beams, label: Ints) -> None:
     nearer, seen = border[:, NEARER], border[:, NEARER] + border[:, FARTHER]
     framed = (nearer > FRAMED * (seen + border[:, EMPTY])) & (nearer > ALL_NEARER * seen)
     label[(label >= 0) & framed[label]] = -1
+
+
+def _drop_background(index: SortedGrid, walls: Ints, label: Ints) -> None:
+    """Unlabel what lies in the plane of a wall; `walls` tells the surfaces before they were cut."""
+    xyz = np.stack([index.x, index.y, index.z], axis=1)
+    first = int(label.max(initial=-1)) + 1
+    # A leaf that was cut off its wall is told by its leaf's label.
+    both = np.where(label >= 0, label, np.where(walls >= 0, walls + first, -1))
+    scrap = find_scraps(xyz, both, both >= first, index.steps.noise)
+    label[(label >= 0) & scrap[label]] = -1
+
+
+def _drop_tiny(beams: Beams, label: Ints) -> None:
+    """Unlabel what is smaller than `SMALLEST` across the beam: bits of stalks and folds."""
+    known = label >= 0
+    cell = beams.distance**2 * beams.down[beams.column] * beams.across[beams.row]
+    area = np.bincount(label[known], cell[known], minlength=int(label.max(initial=-1)) + 1)
+    label[known] = np.where(area[label[known]] < SMALLEST, -1, label[known])
 
 
 def _label_by_voxels(xyz: Floats, points: Ints, jump: float, raw: Ints) -> None:

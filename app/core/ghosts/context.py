@@ -27,6 +27,9 @@ NAMES = (
     "light off surface 1",
     "light off surface 2",
     "light known",
+    "beam diameter over step",
+    "step",
+    "noise",
 )
 FINEST = 0.0005
 FARTHEST = 9.0
@@ -87,13 +90,14 @@ class Surroundings:
         """Rows of numbers, (k, NAMES) float32, and the range of the nearest surface, (k,)."""
         image = self._ground.image
         surfaces = find_surfaces(self._ground, points, self._beam)
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore"):
             columns = [
                 _logit(self._glance[points]),
                 *_describe_surfaces(image.own[points], surfaces),
             ]
             columns += [*_look_beside(image, points, self._laid)]
             columns += _describe_light(points, surfaces, self._light)
+            columns += _describe_beams(image, points, self._beam)
         return np.stack(columns, axis=1, dtype=np.float32), surfaces.distance[:, 0]
 
 
@@ -136,6 +140,18 @@ def _describe_light(points: Ints, surfaces: BeamSurfaces, light: Floats | None) 
     own = light[points]
     off = [np.nan_to_num(own - surfaces.light[:, k]) for k in (0, 1)]
     return [*(_shrink(value, 1.0, DIMMEST) for value in off), np.isfinite(own).astype(np.float64)]
+
+
+def _describe_beams(image: GhostImage, points: Ints, beam: BeamShape) -> list[Floats]:
+    """The last three numbers of the first glance: how fine the scan is, and how certain."""
+    from app.core.kernels.ghost_evidence import NARROWEST, WIDEST
+
+    own, steps = image.own[points], image.steps
+    down, across = steps.down[image.cells.column[points]], steps.across[image.cells.row[points]]
+    step = own * np.sqrt(down * across)
+    width = 2.0 * (beam.radius + own * np.tan(beam.half_divergence)) / step
+    noise = np.full(len(points), np.log1p(steps.noise / FINEST))
+    return [np.log(np.clip(width, NARROWEST, WIDEST)), np.log(step / FINEST), noise]
 
 
 def scale_light(image: GhostImage, light: AnyArray) -> Floats | None:

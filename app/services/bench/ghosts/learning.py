@@ -56,12 +56,12 @@ def learn(lessons: Sequence[Lesson], folder: Path, seed: int = 0) -> Iterator[st
     scans = [_look(lesson, random) for lesson in lessons]
     yield f"{len(scans)} scans of {sum(len(seen.scene) for seen in scans):,} points"
     rows = [_ask_glance(seen, random) for seen in scans]
-    glance = _teach("glance", "Ghost or not, by the beams around.", NAMES, rows, (40, 20), 10)
+    glance = _teach("glance", "Ghost or not, by the beams around.", NAMES, rows, (48, 24), 12)
     yield _write(glance, folder, "glance")
     first = build_network(glance)
     rows = [_ask_judgement(seen, first, random) for seen in scans]
     judgement = _teach(
-        "judgement", "Ghost or not, by the surfaces around.", context.NAMES, rows, (32, 16), 16
+        "judgement", "Ghost or not, by the surfaces around.", context.NAMES, rows, (48, 24), 20
     )
     yield _write(judgement, folder, "judgement")
     second = build_network(judgement)

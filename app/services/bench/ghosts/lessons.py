@@ -17,7 +17,7 @@ STEPS = (0.014, 0.018, 0.018, 0.018, 0.025, 0.036)
 NOISES = (None, 0.0004, 0.0007, 0.0015, 0.003)
 """Metres at 90 % reflectance; None: the instrument's own."""
 ROUNDS = 4
-CROWNS = 2
+CROWNS = 3
 """Lessons on each crown per round: they are the hardest."""
 OWN = 0.4
 """Share of the lessons by the instrument, and with the noise, of the plan."""
