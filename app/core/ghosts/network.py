@@ -43,9 +43,17 @@ class Network:
     offsets: tuple[AnyArray, ...]
 
     def weigh(self, evidence: AnyArray) -> Floats:
-        """Probability that the evidence of each row, (n, inputs) float32, tells; (n,) of 0 to 1."""
+        """Probability that the evidence of each row, (n, inputs) float32, tells; (n,) of 0 to 1.
+
+        Raises
+        ------
+        WrongUse
+            The rows have another number of inputs.
+        """
         from app.core.kernels.small_network import weigh
 
+        if evidence.shape[1:] != self.weights[0].shape[:1]:
+            raise WrongUse(f"Evidence of {evidence.shape} does not fit {self.weights[0].shape}.")
         said = np.empty(len(evidence))
         weigh(evidence, *self.layers, said)
         return said

@@ -68,6 +68,11 @@ def test_layers_that_do_not_fit_are_refused():
         build_network(Stored("", ("a",), (one,), ((0.0,),)))
 
 
+def test_rows_of_another_length_are_refused():
+    with pytest.raises(WrongUse, match="does not fit"):
+        load_network("judgement").weigh(np.zeros((4, 3), np.float32))
+
+
 def test_teaching_finds_a_curved_border_and_is_repeatable():
     random = np.random.default_rng(3)
     rows = random.normal(size=(6000, 2)).astype(np.float32) * [5.0, 0.1] + [3.0, 0.0]
