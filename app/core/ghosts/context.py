@@ -38,6 +38,8 @@ STEEPEST = 20.0
 DIMMEST = 50.0
 """Noises of the light, beyond which more says no more."""
 LEAST = 1e-4
+WIDTHS, STEPS, NOISES = (0.5, 15.0), (0.0003, 0.01), (0.0002, 0.004)
+"""Beam diameters over the step, steps and noises in metres of the lessons."""
 LINES = 100
 """Rows of the image on which noise is measured."""
 
@@ -143,15 +145,16 @@ def _describe_light(points: Ints, surfaces: BeamSurfaces, light: Floats | None) 
 
 
 def _describe_beams(image: GhostImage, points: Ints, beam: BeamShape) -> list[Floats]:
-    """The last three numbers of the first glance: how fine the scan is, and how certain."""
-    from app.core.kernels.ghost_evidence import NARROWEST, WIDEST
-
+    """How fine the scan is, and how certain, within what the lessons held."""
     own, steps = image.own[points], image.steps
     down, across = steps.down[image.cells.column[points]], steps.across[image.cells.row[points]]
     step = own * np.sqrt(down * across)
     width = 2.0 * (beam.radius + own * np.tan(beam.half_divergence)) / step
-    noise = np.full(len(points), np.log1p(steps.noise / FINEST))
-    return [np.log(np.clip(width, NARROWEST, WIDEST)), np.log(step / FINEST), noise]
+    noise = np.full(len(points), np.clip(steps.noise, *NOISES))
+    return [
+        np.log(np.clip(width, *WIDTHS)), np.log(np.clip(step, *STEPS) / FINEST),
+        np.log1p(noise / FINEST),
+    ]  # fmt: skip
 
 
 def scale_light(image: GhostImage, light: AnyArray) -> Floats | None:
