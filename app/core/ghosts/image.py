@@ -50,14 +50,24 @@ def lay_out(xyz: Floats, scanner: Floats, grid: ScanGrid) -> GhostImage:
     steps = measure_steps(xyz, scanner, cells)
     own = np.empty(len(xyz))
     kernels.measure_ranges(xyz, scanner, own)
-    layer = _tell_layers(cells, own)
-    layers = min(int(layer.max(initial=0)) + 1, kernels.MOST_LAYERS)
-    around = 2 * kernels.MARGIN
-    ranges = np.full((layers, cells.rows + around, cells.columns + around), np.nan, np.float32)
-    kernels.lay_ranges(own, cells.row, cells.column, layer, ranges)
+    layer = np.zeros(len(own), np.uint8)
+    ranges, several = _lay_ranges(own, cells, layer)
+    if several:
+        layer = _tell_layers(cells, own)
+        ranges, _ = _lay_ranges(own, cells, layer)
     image = GhostImage(own, cells, layer, ranges, steps)
     _close_seam(image, ranges)
     return image
+
+
+def _lay_ranges(own: Floats, cells: Cells, layer: AnyArray) -> tuple[AnyArray, bool]:
+    """Ranges in their rows, columns and layers; and whether two of one beam share a layer."""
+    from app.core.kernels import ghost_image as kernels
+
+    layers = min(int(layer.max(initial=0)) + 1, kernels.MOST_LAYERS)
+    around = 2 * kernels.MARGIN
+    ranges = np.full((layers, cells.rows + around, cells.columns + around), np.nan, np.float32)
+    return ranges, kernels.lay_ranges(own, cells.row, cells.column, layer, ranges)
 
 
 def try_layout(xyz: Floats, scanner: Floats, grid: ScanGrid | None) -> GhostImage | None:
@@ -91,8 +101,6 @@ def _tell_layers(cells: Cells, own: Floats) -> AnyArray:
     """Number of each point among those of its cell, by range: a file may tell them in any order."""
     place = cells.row.astype(np.int64) * cells.columns + cells.column
     taken = np.bincount(place, minlength=1)
-    if taken.max(initial=0) <= 1:
-        return np.zeros(len(place), np.uint8)
     order = np.lexsort((own, place))
     first = np.concatenate([[0], np.cumsum(taken)[:-1]])
     layer = np.empty(len(place), np.uint8)

@@ -22,10 +22,17 @@ def measure_ranges(xyz, scanner, own):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def lay_ranges(own, row, column, layer, image):  # type: ignore[no-untyped-def]
-    """Write the ranges that are some into (layers, rows, columns) with their margin."""
+    """Write the ranges that are some into (layers, rows, columns) with their margin.
+
+    Gives whether a place was taken already.
+    """
+    taken = False
     for i in range(own.size):
         if layer[i] < image.shape[0] and 0.0 < own[i] < math.inf:
-            image[layer[i], row[i] + MARGIN, column[i] + MARGIN] = own[i]
+            y, x = row[i] + MARGIN, column[i] + MARGIN
+            taken |= image[layer[i], y, x] == image[layer[i], y, x]
+            image[layer[i], y, x] = own[i]
+    return taken
 
 
 @njit(cache=True, nogil=True)

@@ -33,7 +33,7 @@ RANGE, SCATTER, LIGHT, SLOPE, AWAY, MASS, SIZE, NEAR_LAYER, NEAR_DOWN, NEAR_ACRO
 mean intensity, slope over the breadth at the range of the point, cells to its nearest beam, weight
 of its beams by a Gaussian of the footprint's size, their number, and where the nearest is (layer,
 and cells)."""
-DEEPEST = 4
+DEEPEST, EMPTY = 4, np.uint8(255)
 STEEPEST = 4.0
 
 
@@ -41,33 +41,30 @@ STEEPEST = 4.0
 def measure_depth(image, mixed, depth):  # type: ignore[no-untyped-def]
     """Cells from each clean cell to the nearest mixed one, up to `DEEPEST`; 0 mixed, or none.
 
-    A beam farther from the border holds less of the other surface.
+    Steps lead over clean cells: the sky counts not. A beam farther from the border holds less
+    of the other surface.
     """
     rows, columns = depth.shape
     for y in range(rows):
         for x in range(columns):
-            depth[y, x] = DEEPEST if image[y, x] == image[y, x] and not mixed[y, x] else 0
-    for y in range(1, rows - 1):
-        for x in range(1, columns - 1):
-            _lower(mixed, depth, y, x, -1)
-    for y in range(rows - 2, 0, -1):
-        for x in range(columns - 2, 0, -1):
-            _lower(mixed, depth, y, x, 1)
-
-
-@njit(cache=True, nogil=True, forceinline=True)
-def _lower(mixed, depth, y, x, way):  # type: ignore[no-untyped-def]
-    """One more than the least of the neighbours that a pass has been at; the sky counts not."""
-    least = depth[y, x]
-    if least == 0:
-        return
-    for k in range(4):
-        dy = 0 if k == 3 else way
-        dx = way if k == 3 else k - 1
-        other = depth[y + dy, x + dx]
-        if other + 1 < least and (other > 0 or mixed[y + dy, x + dx]):
-            least = other + 1
-    depth[y, x] = least
+            clean = np.uint8(DEEPEST) if image[y, x] == image[y, x] else EMPTY
+            depth[y, x] = np.uint8(0) if mixed[y, x] else clean
+    across = np.full(depth.shape, EMPTY)
+    for _ in range(DEEPEST - 1):
+        for y in range(rows):
+            for x in range(1, columns - 1):
+                beside = min(depth[y, x - 1], depth[y, x + 1])
+                across[y, x] = min(beside, depth[y, x])
+        for y in range(1, rows - 1):
+            for x in range(1, columns - 1):
+                least = min(min(across[y - 1, x], across[y + 1, x]), across[y, x])
+                # Over the sky it wraps round to 0, and is not used.
+                least = np.uint8(least + np.uint8(1))
+                own = depth[y, x]
+                depth[y, x] = own if own == EMPTY else min(own, least)
+    for y in range(rows):
+        for x in range(columns):
+            depth[y, x] = np.uint8(0) if depth[y, x] == EMPTY else depth[y, x]
 
 
 @njit(cache=True, nogil=True)
