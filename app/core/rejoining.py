@@ -14,12 +14,13 @@ MEETING = 2
 """Beams at least by which two pieces must meet."""
 LOOKED_AT = 600
 """Points of a piece at most that are fitted."""
-FIRM = 1.5
+FIRM = 3.0
 """One surface may leave so much of the mean square that a piece leaves by itself."""
 OFF = 0.0005
 """Metres: and so much more, squared."""
-BEYOND = 0.003
-"""Metres: the smaller piece lies so near to the surface of the larger one, carried on."""
+BEYOND, ROUGH = 0.004, 4.0
+"""Metres: the smaller piece lies so near to the surface of the larger one, carried on; or within
+so many times what the larger one itself is off it, as wrinkled leaves are."""
 
 
 def rejoin_pieces(
@@ -70,7 +71,8 @@ def _is_one(sheet: Sheet, first: int, noise: float) -> bool:
     """Whether the first points and the others lie on one surface."""
     one, other = np.arange(len(sheet.depth)) < first, np.arange(len(sheet.depth)) >= first
     joint, large, small = (_fit(sheet, part) for part in (one | other, one, other))
-    if _square(sheet, other, large) > max(BEYOND, 2.0 * noise) ** 2:
+    off = _square(sheet, one, large) ** 0.5
+    if _square(sheet, other, large) > max(BEYOND, 2.0 * noise, ROUGH * off) ** 2:
         return False
     return all(
         _square(sheet, part, joint)

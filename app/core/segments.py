@@ -27,7 +27,7 @@ REACH = NECK / 1.2
 """Metres on either side of a point: there a strip of `NECK` fills `SOLID` of the window."""
 SIGMAS, LEAST_JUMP, LARGEST_JUMP = 4.0, 0.003, 0.01
 """Ranges of neighbours on one surface differ by so many σ of the noise; metres."""
-ROUND, LONG, THICK = 0.25, 3.0, 0.0025
+ROUND, LONG, THICK = 0.25, 3.0, 0.0018
 """A stem is round (third over second spread of its points, so many metres at least) and long
 (first over second)."""
 SLENDER = 10.0
