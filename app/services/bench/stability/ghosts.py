@@ -72,9 +72,12 @@ def judge(scan: GhostScan) -> Bools:
     LeafscopeError
         The scan is refused.
     """
-    score = score_ghosts(scan.xyz, scan.scanner, None, scan.cells, beam=scan.beam).score
+    told = score_ghosts(scan.xyz, scan.scanner, None, scan.cells, beam=scan.beam)
+    score, silent = told.score, np.isnan(told.score)
     seen = np.isfinite(scan.xyz).all(axis=1) & (scan.xyz != scan.scanner).any(axis=1)
-    if (np.isnan(score) == seen).any() or (score[seen] < 0.0).any() or (score[seen] > 1.0).any():
+    # The density says nothing where beams lie too far apart.
+    lost = silent & seen & (told.method == "scan grid")
+    if lost.any() or not silent[~seen].all() or ((score < 0.0) | (score > 1.0)).any():
         raise ArithmeticError("a score is missing, one too many, or none")
     ghost: Bools = score >= THRESHOLD
     found = correct_ghosts(
