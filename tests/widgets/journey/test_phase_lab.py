@@ -73,7 +73,7 @@ def test_two_leaves_in_the_lab(user: Any, tmp_path: Path, monkeypatch: Any) -> N
     user.press("Find leaves", user.panel("leaves"))
     user.wait_for(lambda: len(controller.project.state.leaves) > 15)
     user.rest()
-    choose_leaves(user, ("Leaf 3", "Leaf 8"))
+    choose_leaves(user, ("Leaf 2", "Leaf 6"))
     lab = user.panel("phase_lab")
     choose_points(user, lab, "Selected leaves")
     user.wait_for(lambda: lab.editor.points.count > 6000)
@@ -129,7 +129,7 @@ def test_two_leaves_in_the_lab(user: Any, tmp_path: Path, monkeypatch: Any) -> N
     user.look("lab-table")
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert {row["sample"] for row in rows} == {"Leaf 3", "Leaf 8"}
+    assert {row["sample"] for row in rows} == {"Leaf 2", "Leaf 6"}
     project, key = controller.project, controller.current
     keys = tuple(target.leaves[0] for target in lab.targets)
     samples = sorted(each_leaf(project, key, keys), key=lambda s: keys.index(s.leaves[0]))
