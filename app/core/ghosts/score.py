@@ -162,4 +162,4 @@ def warm_up() -> None:
     image = lay_out(xyz, np.zeros(3), Cells(16, 16, row, column))
     some = np.arange(len(xyz))
     score, _ = see_all(image, some, BEAM, load_network("glance"))
-    weigh_beams(image, score > MIXED, some, score, BEAM, None, load_network("judgement"))
+    weigh_beams(image, score > MIXED, some, score, BEAM, away, load_network("judgement"))
