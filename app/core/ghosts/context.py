@@ -7,9 +7,10 @@ import numpy as np
 from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.chunks import run_in_pieces, split_evenly
 from app.core.footprint import BeamShape
-from app.core.ghosts.image import GhostImage, lay_over
+from app.core.ghosts.image import GhostImage, lay_over, measure_beams
 from app.core.ghosts.network import Network
 from app.core.ghosts.surfaces import PIECE, BeamSurfaces, find_surfaces, lay_ground
+from app.core.neighbours.steps import noise_of_bends
 from app.core.progress import QUIET, Progress
 
 NAMES = (
@@ -146,13 +147,10 @@ def _describe_light(points: Ints, surfaces: BeamSurfaces, light: Floats | None) 
 
 def _describe_beams(image: GhostImage, points: Ints, beam: BeamShape) -> list[Floats]:
     """How fine the scan is, and how certain, within what the lessons held."""
-    own, steps = image.own[points], image.steps
-    down, across = steps.down[image.cells.column[points]], steps.across[image.cells.row[points]]
-    step = own * np.sqrt(down * across)
-    width = 2.0 * (beam.radius + own * np.tan(beam.half_divergence)) / step
-    noise = np.full(len(points), np.clip(steps.noise, *NOISES))
+    step, diameter = measure_beams(image, points, beam)
+    noise = np.full(len(points), np.clip(image.steps.noise, *NOISES))
     return [
-        np.log(np.clip(width, *WIDTHS)), np.log(np.clip(step, *STEPS) / FINEST),
+        np.log(np.clip(diameter / step, *WIDTHS)), np.log(np.clip(step, *STEPS) / FINEST),
         np.log1p(noise / FINEST),
     ]  # fmt: skip
 
@@ -166,8 +164,7 @@ def scale_light(image: GhostImage, light: AnyArray) -> Floats | None:
     laid = laid[:: max(1, len(laid) // LINES)]
     with np.errstate(invalid="ignore"):
         bend = np.abs(laid[:, :-2] - 2.0 * laid[:, 1:-1] + laid[:, 2:])
-    bend = bend[np.isfinite(bend)]
-    noise = float(np.median(bend)) / (0.6745 * np.sqrt(6.0)) if len(bend) else 0.0
+    noise = noise_of_bends(bend)
     if not noise > 0.0:
         return None
     scaled: Floats = np.asarray(light, np.float64) / noise

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.core.arrays import AnyArray, Floats
+from app.core.arrays import AnyArray, Floats, Ints
+from app.core.footprint import BeamShape
 from app.core.neighbours.asked import as_points
 from app.core.neighbours.steps import Cells, ScanGrid, Steps, UnusableGrid, as_cells, measure_steps
 
@@ -86,6 +87,14 @@ def lay_over(image: GhostImage, values: AnyArray, empty: object) -> AnyArray:
     kernels.lay_values(values, cells.row, cells.column, image.layer, laid)
     _close_seam(image, laid)
     return laid
+
+
+def measure_beams(image: GhostImage, points: Ints, beam: BeamShape) -> tuple[Floats, Floats]:
+    """Step to the next beam and diameter of the beam at some points, metres, (k,) each."""
+    own, steps = image.own[points], image.steps
+    down, across = steps.down[image.cells.column[points]], steps.across[image.cells.row[points]]
+    diameter: Floats = 2.0 * (beam.radius + own * np.tan(beam.half_divergence))
+    return own * np.sqrt(down * across), diameter
 
 
 def _close_seam(image: GhostImage, laid: AnyArray) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from app.core.arrays import AnyArray, Bools, Floats, Ints
 from app.core.footprint import BeamShape
 from app.core.ghosts.correction import CLEAN
-from app.core.ghosts.image import GhostImage
+from app.core.ghosts.image import GhostImage, measure_beams
 from app.core.ghosts.score import BEAM, THRESHOLD
 from app.core.ghosts.surfaces import BeamSurfaces, find_surfaces, lay_ground, number_members
 from app.core.progress import QUIET, Progress
@@ -120,9 +120,6 @@ def _sort(own: Floats, ghost: Bools, surfaces: BeamSurfaces) -> AnyArray:
 def _measure_border(
     image: GhostImage, points: Ints, surfaces: BeamSurfaces, beam: BeamShape
 ) -> Floats:
-    own, steps = image.own[points], image.steps
-    down, across = steps.down[image.cells.column[points]], steps.across[image.cells.row[points]]
-    step = own * np.sqrt(down * across)
-    diameter = 2.0 * (beam.radius + own * np.tan(beam.half_divergence))
+    step, diameter = measure_beams(image, points, beam)
     border: Floats = 0.5 * (surfaces.away[:, 1] - surfaces.away[:, 0]) * step / diameter
     return border

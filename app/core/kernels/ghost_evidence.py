@@ -103,11 +103,10 @@ def gather_evidence(  # type: ignore[no-untyped-def]
     far, near, bends = _make_counters(), _make_counters(), np.empty((LINES, LANES), np.float32)
     for start in range(0, places.size, LANES):
         size = min(LANES, places.size - start)
-        for p in range(size):
-            i = points[places[start + p]]
-            step = own[i] * math.sqrt(down[column[i]] * across[row[i]])
-            _look(image, row[i] + MARGIN, column[i] + MARGIN, own[i], window, p)
-            _describe_beam(step, 2.0 * (radius + own[i] * spread) / step, noise, found, p)
+        _look_around(
+            places[start : start + size], points, own, row, column, image, down, across, radius,
+            spread, noise, window, found,
+        )  # fmt: skip
         _describe(window, far, near, bends, found)
         for p in range(size):
             for f in range(COUNT):
@@ -129,11 +128,10 @@ def glance_at(  # type: ignore[no-untyped-def]
     last = np.empty((1, LANES), np.float32)
     for start in range(0, places.size, LANES):
         size = min(LANES, places.size - start)
-        for p in range(size):
-            i = points[places[start + p]]
-            step = own[i] * math.sqrt(down[column[i]] * across[row[i]])
-            _look(image, row[i] + MARGIN, column[i] + MARGIN, own[i], window, p)
-            _describe_beam(step, 2.0 * (radius + own[i] * spread) / step, noise, found, p)
+        _look_around(
+            places[start : start + size], points, own, row, column, image, down, across, radius,
+            spread, noise, window, found,
+        )  # fmt: skip
         _describe(window, far, near, bends, found)
         weigh_lanes(found, w1, b1, w2, b2, w3, b3, one, two, last, score, start, size)
 
@@ -146,6 +144,18 @@ def _make_room():  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True)
 def _make_counters():  # type: ignore[no-untyped-def]
     return np.empty((2, LANES), np.uint64)
+
+
+@njit(cache=True, nogil=True)
+def _look_around(  # type: ignore[no-untyped-def]
+    places, points, own, row, column, image, down, across, radius, spread, noise, window, found
+):
+    """Fill a lane with the window and the beam of each of the points at these places."""
+    for p in range(places.size):
+        i = points[places[p]]
+        step = own[i] * math.sqrt(down[column[i]] * across[row[i]])
+        _look(image, row[i] + MARGIN, column[i] + MARGIN, own[i], window, p)
+        _describe_beam(step, 2.0 * (radius + own[i] * spread) / step, noise, found, p)
 
 
 @njit(cache=True, nogil=True, forceinline=True)

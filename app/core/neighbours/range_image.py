@@ -10,7 +10,7 @@ from app.core.arrays import AnyArray, Floats
 from app.core.chunks import count_processors, run_in_pieces, split_evenly
 from app.core.errors import BadInput
 from app.core.neighbours.beams import Beams, learn_beams
-from app.core.neighbours.steps import Cells, check_shape
+from app.core.neighbours.steps import Cells, check_shape, noise_of_bends
 
 TILE = 128
 APART = 3
@@ -102,5 +102,4 @@ def measure_noise(inverse: Floats) -> float:
             distance[:, : -2 * APART] - 2.0 * distance[:, APART:-APART] + distance[:, 2 * APART :]
         )
         bend = np.abs(bend)
-    bend = bend[np.isfinite(bend)]
-    return float(np.median(bend) / (0.6745 * np.sqrt(6.0))) if len(bend) else 0.0
+    return noise_of_bends(bend)

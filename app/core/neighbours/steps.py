@@ -218,8 +218,16 @@ def _measure_noise(xyz: Floats, scanner: Floats, lines: Ints) -> float:
             np.linalg.norm(xyz[lines[line, cell + k]] - scanner, axis=1) for k in range(3)
         )
         bend = np.abs(near - 2.0 * own + far)
-    bend = bend[np.isfinite(bend)]
-    return float(np.median(bend) / (0.6745 * np.sqrt(6.0))) if len(bend) else 0.0
+    return noise_of_bends(bend)
+
+
+def noise_of_bends(bend: Floats) -> float:
+    """Standard deviation of values whose second differences have these sizes (robust), or 0.
+
+    Those that are not finite are left out.
+    """
+    known = bend[np.isfinite(bend)]
+    return float(np.median(known) / (0.6745 * np.sqrt(6.0))) if len(known) else 0.0
 
 
 def _fill(measured: Floats, lines: Ints, total: int) -> Floats:
