@@ -61,7 +61,11 @@ def measure_size(evaluation: Evaluation, members: Ints) -> float:
 
 def beam_in_use(evaluation: Evaluation) -> Beam:
     """The beam of the scan's parameters; raises `BadInput` where nobody told it."""
-    beam = evaluation.subject.state.parameters.beam
+    return require_beam(evaluation.subject.state.parameters.beam)
+
+
+def require_beam(beam: Beam | None) -> Beam:
+    """The same beam; raises `BadInput` where there is none."""
     if beam is None:
         raise BadInput(
             "The beam of the scanner is unknown, and its footprint needs it.",

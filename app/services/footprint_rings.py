@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from app.core.arrays import Floats, Ints
-from app.core.errors import BadInput, WrongUse
+from app.core.errors import WrongUse
 from app.core.progress import QUIET, Progress
+from app.model.footprint_fields import require_beam
 from app.model.neighbours import neighbours_of
 from app.model.parameters import Beam
 from app.model.points import EMPTY
@@ -107,11 +108,4 @@ def find_beam(state: ScanState) -> Beam:
     BadInput
         Nobody told it.
     """
-    beam = state.parameters.beam or propose_beam(state.scan)
-    if beam is None:
-        raise BadInput(
-            "The beam of the scanner is unknown, and its footprint needs it.",
-            "Give --instrument, or --exit-diameter and --half-divergence; "
-            "in the window, Scan ▸ Incidence angles.",
-        )
-    return beam
+    return require_beam(state.parameters.beam or propose_beam(state.scan))

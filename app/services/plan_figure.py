@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from app.core.planning import BOUNDS
 from app.core.units import to_mm, to_radians
 from app.formats.atomic import atomic_path, refuse_target
 from app.services.bench.picture import INK
-from app.services.lab.figure import COLOURS, DPI, Kind, figure_kind
+from app.services.lab.figure import COLOURS, Kind, figure_kind, save_to_bytes
 from app.services.plan_texts import describe_leaf, describe_tool_line, list_assumptions, tell_limits
 from app.services.planning import SHARES, Plan
 
@@ -45,16 +44,7 @@ def draw_plan(plan: Plan, path: Path, overwrite: bool = False) -> None:
 
 def plan_bytes(plan: Plan, kind: Kind = "png") -> bytes:
     """The content of the file that `draw_plan` writes."""
-    import matplotlib
-
-    figure, content = build_figure(plan), BytesIO()
-    # No dates, and fonts that publishers take and programs can edit.
-    metadata: dict[str, Any] = {
-        "png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None},
-    }[kind]  # fmt: skip
-    with matplotlib.rc_context({"svg.hashsalt": "leafscope", "pdf.fonttype": 42}):
-        figure.savefig(content, format=kind, metadata=metadata, dpi=DPI, facecolor="white")
-    return content.getvalue()
+    return save_to_bytes(build_figure(plan), kind)
 
 
 def build_figure(plan: Plan) -> Any:

@@ -124,11 +124,15 @@ def figure_kind(path: Path) -> Kind:
 def figure_bytes(order: FigureOrder, kind: Kind = "png") -> bytes:
     """The content of the file that `draw_figure` writes."""
     check_order(order)
-    import matplotlib
-
     from app.services.lab.figure_parts import build_figure
 
-    figure: Any = build_figure(order)
+    return save_to_bytes(build_figure(order), kind)
+
+
+def save_to_bytes(figure: Any, kind: Kind) -> bytes:
+    """A matplotlib figure as the content of a file, the same each time."""
+    import matplotlib
+
     content = BytesIO()
     # No dates, and fonts that publishers take and programs can edit.
     metadata: dict[str, Any] = {
